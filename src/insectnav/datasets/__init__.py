@@ -1,0 +1,1 @@
+"""Readers of recorded data; each loader is imported from its own module."""

@@ -1,0 +1,52 @@
+"""How kernels are compiled: once per machine and per version of their sources, then read from disk."""
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+import platformdirs
+
+PACKAGE = Path(__file__).parents[1]
+
+
+def _sources_digest() -> str:
+    """A name for this exact set of kernel sources, numba and processor-independent settings."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(PACKAGE.rglob("*.py")):
+        text = path.read_bytes()
+        if b"lanes.compiled" in text or path.parent == Path(__file__).parent:
+            digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + text)
+    return digest.hexdigest()[:16]
+
+
+def _cache_folder() -> str:
+    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_path("insectnav") / "kernels"
+    return str(Path(base) / _sources_digest())
+
+
+CACHE_FOLDER = _cache_folder()
+
+
+def kernel(function: Callable) -> Any:
+    """Compile ``function`` on first call, without the interpreter lock, and keep the machine code on disk.
+
+    Notes
+    -----
+    Numba alone keeps compiled code for as long as the file of the outermost function is unchanged; a change to a
+    function that it calls in another file would go unseen and yesterday's circuit would run. Hence the folder named
+    after the text of all kernel sources.
+    """
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = CACHE_FOLDER
+    try:
+        return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+def lane_function(function: Callable) -> Any:
+    """A piece of a kernel: compiled into whatever calls it."""
+    return numba.njit(error_model="numpy", forceinline=True)(function)
