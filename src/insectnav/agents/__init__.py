@@ -1,7 +1,18 @@
 """Agents: how they move, the routes they take, and trials of going out and coming home."""
 
 from insectnav.agents.motion import MotionParams, move
+from insectnav.agents.perturbations import ClampCells
+from insectnav.agents.recorded_routes import RecordedRoute, route_from_track
 from insectnav.agents.routes import RouteParams, random_routes
 from insectnav.agents.trials import run_trials
 
-__all__ = ["MotionParams", "RouteParams", "move", "random_routes", "run_trials"]
+__all__ = [
+    "ClampCells",
+    "MotionParams",
+    "RecordedRoute",
+    "RouteParams",
+    "move",
+    "random_routes",
+    "route_from_track",
+    "run_trials",
+]

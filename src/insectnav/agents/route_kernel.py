@@ -26,8 +26,8 @@ def make_routes(
 ):
     """Write headings (trial, step) and velocities (trial, step, 2) of the trials from ``first`` up to ``last``.
 
-    ``basis`` (step, knot) interpolates accelerations between knots; ``work`` (at least knot + 3, LANES) and ``words`` (4,
-    LANES) are work space.
+    ``basis`` (step, knot) interpolates accelerations between knots; ``work`` (at least knot + 3, LANES) and
+    ``words`` (4, LANES) are work space.
     """
     n_steps, n_knots = basis.shape
     knots, sample = address(work), address(work[n_knots:])

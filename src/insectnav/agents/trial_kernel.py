@@ -2,7 +2,7 @@
 
 from insectnav.agents.motion_kernel import accelerate
 from insectnav.central_complex.circuit_kernel import MEMORY, advance_circuit
-from insectnav.central_complex.layers import N_ROWS
+from insectnav.central_complex.layers import N_NOISY, N_ROWS
 from insectnav.central_complex.packing import Wiring
 from insectnav.lanes import LANES
 from insectnav.lanes.compiled import kernel, lane_function
@@ -51,6 +51,16 @@ def write_record(rows, recorded, record_out, first, n_here, step):
             record_out[first + lane, step, column] = rows[recorded[column] * LANES + lane]
 
 
+@lane_function
+def hold_cells(held, clamps, step):
+    """Which cells are held at what rate in this step; later clamps win."""
+    for row in range(N_NOISY):
+        held[row] = -1.0
+    for clamp in range(clamps.first_step.shape[0]):
+        if clamps.first_step[clamp] <= step < clamps.end_step[clamp]:
+            held[clamps.row[clamp]] = clamps.rate[clamp]
+
+
 @kernel
 def run_trials_kernel(
     first,
@@ -64,7 +74,9 @@ def run_trials_kernel(
     wiring_arrays,
     constants,
     noise,
+    clamps,
     recorded,
+    held,
     work,
     words,
     heading_out,
@@ -75,7 +87,7 @@ def run_trials_kernel(
 ):
     """Run the trials from ``first`` up to ``last``: see `insectnav.agents.run_trials` for what the arrays hold.
 
-    ``work`` (N_ROWS + 8 + 3, LANES) and ``words`` (4, LANES) are work space of this call alone.
+    ``held`` (N_NOISY,), ``work`` (N_ROWS + 8 + 3, LANES) and ``words`` (4, LANES) are work space of this call alone.
     """
     n_outbound, n_steps = heading.shape[1], heading_out.shape[1]
     wiring = Wiring(
@@ -86,7 +98,8 @@ def run_trials_kernel(
         address(wiring_arrays[4]),
     )
     rows, lateral, sample = address(work), address(work[N_ROWS:]), address(work[N_ROWS + 8 :])
-    words_at, noise_at = address(words), address(noise)
+    words_at, noise_at, held_at = address(words), address(noise), address(held)
+    hold_cells(held, clamps, -1)
     like = load(rows, 0)
     for block in range(first, last, LANES):
         n_here = min(LANES, last - block)
@@ -99,7 +112,11 @@ def run_trials_kernel(
             if is_outbound:
                 theta, velocity_x, velocity_y = read_route(sample, heading, velocity, block, n_here, step)
                 theta = wrap(theta)
-            turn = advance_circuit(rows, words_at, lateral, theta, velocity_x, velocity_y, wiring, constants, noise_at)
+            if clamps.first_step.shape[0] > 0:
+                hold_cells(held, clamps, step)
+            turn = advance_circuit(
+                rows, words_at, lateral, theta, velocity_x, velocity_y, wiring, constants, noise_at, held_at
+            )
             if not is_outbound:
                 theta = wrap(theta + turn)
                 velocity_x, velocity_y = accelerate(theta, velocity_x, velocity_y, acceleration, drag)

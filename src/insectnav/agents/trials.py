@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Callable, Collection, Mapping
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 
 from insectnav.agents.motion import MotionParams
-from insectnav.central_complex import POPULATIONS, THESIS, CircuitParams, decode_home_vector
-from insectnav.central_complex.layers import N_CELLS, N_ROWS, rows
-from insectnav.central_complex.packing import pack_constants, pack_noise, pack_wiring
-from insectnav.checks import InputError, check_choice, check_count, check_finite, check_shape
-from insectnav.lanes import LANES, empty_rows
-from insectnav.rng import trial_streams
+from insectnav.agents.perturbations import ClampCells
+from insectnav.agents.simulation import TrialArrays, TrialParams, simulate_trials
+from insectnav.central_complex import THESIS, CircuitParams, decode_home_vector
+from insectnav.central_complex.layers import N_CELLS
+from insectnav.checks import InputError
 
 if TYPE_CHECKING:
     import xarray
 
-Reals = NDArray[np.floating[Any]]
 CELL_DIMENSION = {16: ("cell",), 8: ("direction",), 2: ("side",), 1: ()}
-BLOCKS_PER_TASK = 4  # small enough to keep all cores busy until the end
 
 
 def run_trials(
@@ -37,6 +31,7 @@ def run_trials(
     seed: int = 0,
     record: Collection[str] = (),
     dtype: DTypeLike = "float32",
+    perturbations: Sequence[ClampCells] = (),
     *,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
@@ -61,6 +56,8 @@ def run_trials(
         or "motor" (the turn [rad]). Memory then grows with trials × steps × cells.
     dtype : {"float32", "float64"}
         float64 follows the published recursion to rounding, float32 is several times faster.
+    perturbations : sequence of ClampCells
+        Cells that are held at a rate for part of the trial.
     workers : int, optional
         Threads; all cores of the machine by default. The result does not depend on it.
     progress : callable, optional
@@ -85,157 +82,75 @@ def run_trials(
     Stone et al. 2017, Methods, doi 10.1016/j.cub.2017.08.052. On the way home the cells see the present heading and
     velocity, then the agent turns and moves; the first inbound step therefore sees the turning point again.
     """
-    check_count("n_inbound", n_inbound, minimum=0)
-    check_choice("dtype", np.dtype(dtype).name, ("float32", "float64"))
-    for population in record:
-        check_choice("population to record", population, POPULATIONS)
-    heading, velocity, trials = _route_arrays(routes, dtype)
-    recorded = [name for name in POPULATIONS if name in record]
-    arrays = _run(
-        _Setting(
-            heading=heading,
-            velocity=velocity,
-            streams=trial_streams(seed, trials, "circuit"),
-            circuit=circuit,
-            motion=motion,
-            noise=pack_noise(noise, dtype),
-            recorded_rows=np.array([row for name in recorded for row in range(N_ROWS)[rows(name)]], np.int64),
-            n_steps=heading.shape[1] + n_inbound,
-        ),
-        _count_workers(workers),
-        progress,
+    heading, velocity, trials = _route_arrays(routes)
+    params = TrialParams(
+        circuit=circuit,
+        motion=motion,
+        n_inbound=n_inbound,
+        noise=noise,
+        seed=seed,
+        record=record,
+        dtype=dtype,
+        perturbations=perturbations,
     )
-    attributes = {"noise": json.dumps(noise), "seed": seed, "dtype": np.dtype(dtype).name}
-    return _dataset(arrays, recorded, trials, heading.shape[1], circuit, motion, attributes)
+    arrays = simulate_trials(heading, velocity, trials, params, workers=workers, progress=progress)
+    return _dataset(arrays, params, np.asarray(trials))
 
 
-class _Setting(NamedTuple):
-    heading: Reals
-    velocity: Reals
-    streams: NDArray[np.uint32]
-    circuit: CircuitParams
-    motion: MotionParams
-    noise: Reals
-    recorded_rows: NDArray[np.int64]
-    n_steps: int
-
-
-class _Arrays(NamedTuple):
-    heading: Reals
-    position: Reals
-    memory: Reals
-    closest: Reals
-    record: Reals
-
-
-def _route_arrays(
-    routes: xarray.Dataset | tuple[ArrayLike, ArrayLike], dtype: DTypeLike
-) -> tuple[Reals, Reals, NDArray[np.integer]]:
-    if isinstance(routes, tuple):
-        if len(routes) != 2:
-            raise InputError(f"routes has {len(routes)} parts, expected a Dataset or (heading, velocity)")
-        heading, velocity = (np.asarray(part) for part in routes)
-        trials = np.arange(len(heading)) if heading.ndim else np.arange(1)
-    else:
+def _route_arrays(routes: xarray.Dataset | tuple[ArrayLike, ArrayLike]) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
+    if not isinstance(routes, tuple):
         heading = routes["heading"].transpose("trial", "step").values
-        velocity = routes["velocity"].transpose("trial", "step", "xy").values
-        trials = np.asarray(routes["trial"].values)
-    check_shape("route heading", heading, ("trial", "step"))
-    check_shape("route velocity", velocity, (*heading.shape, 2))
-    if heading.size == 0:
-        raise InputError(f"routes are empty, {heading.shape[0]} trials of {heading.shape[1]} steps: expected some")
-    check_finite("route heading", heading)
-    check_finite("route velocity", velocity)
-    return np.ascontiguousarray(heading, dtype), np.ascontiguousarray(velocity, dtype), trials
+        return heading, routes["velocity"].transpose("trial", "step", "xy").values, routes["trial"].values
+    if len(routes) != 2:
+        raise InputError(f"routes have {len(routes)} parts, expected a Dataset or (heading, velocity)")
+    return *routes, np.arange(np.shape(routes[0])[0] if np.ndim(routes[0]) else 1)
 
 
-def _count_workers(workers: int | None) -> int:
-    if workers is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    check_count("workers", workers)
-    return workers
-
-
-def _run(setting: _Setting, workers: int, progress: Callable[[int], None] | None) -> _Arrays:
-    """Run all trials, tasks of a few blocks at a time on the given number of threads."""
-    from insectnav.agents.trial_kernel import run_trials_kernel
-
-    n_trials, dtype = setting.heading.shape[0], setting.heading.dtype
-    n_steps = setting.n_steps
-    arrays = _Arrays(
-        heading=np.empty((n_trials, n_steps), dtype),
-        position=np.empty((n_trials, n_steps, 2), dtype),
-        memory=np.empty((n_trials, 16), dtype),
-        closest=np.empty(n_trials, dtype),
-        record=np.empty((n_trials, n_steps, setting.recorded_rows.size), dtype),
-    )
-    wiring = tuple(pack_wiring(setting.circuit, dtype))
-    constants = pack_constants(setting.circuit, setting.noise)
-
-    def run_task(first: int) -> int:
-        last = min(first + BLOCKS_PER_TASK * LANES, n_trials)
-        run_trials_kernel(
-            first,
-            last,
-            setting.heading,
-            setting.velocity,
-            setting.streams,
-            setting.circuit.memory_start,
-            setting.motion.acceleration,
-            setting.motion.drag,
-            wiring,
-            constants,
-            setting.noise,
-            setting.recorded_rows,
-            empty_rows(N_ROWS + 8 + 3, dtype),
-            empty_rows(4, np.uint32),
-            *arrays,
-        )
-        return last - first
-
-    tasks = range(0, n_trials, BLOCKS_PER_TASK * LANES)
-    with ThreadPoolExecutor(max(1, min(workers, len(tasks)))) as pool:
-        for n_finished in pool.map(run_task, tasks):
-            if progress is not None:
-                progress(n_finished)
-    return arrays
-
-
-def _dataset(
-    arrays: _Arrays,
-    recorded: list[str],
-    trials: NDArray[np.integer],
-    n_outbound: int,
-    circuit: CircuitParams,
-    motion: MotionParams,
-    attributes: dict[str, Any],
-) -> xarray.Dataset:
+def _dataset(arrays: TrialArrays, params: TrialParams, trials: np.ndarray) -> xarray.Dataset:
     """Name the arrays and say in attributes how they came about."""
     import xarray
 
     n_steps = arrays.heading.shape[1]
+    home_vector = decode_home_vector(arrays.memory_at_turn, params.circuit)
     variables: dict[str, Any] = {
         "heading": (("trial", "step"), arrays.heading, {"units": "rad", "zero": "+y", "positive": "clockwise"}),
         "position": (("trial", "step", "xy"), arrays.position, {"units": "steps"}),
-        "memory_at_turn": (("trial", "cell"), arrays.memory),
-        "home_vector_at_turn": (("trial", "xy"), decode_home_vector(arrays.memory, circuit), {"units": "steps"}),
-        "closest_distance": (("trial",), arrays.closest, {"units": "steps"}),
+        "memory_at_turn": (("trial", "cell"), arrays.memory_at_turn),
+        "home_vector_at_turn": (("trial", "xy"), home_vector, {"units": "steps"}),
+        "closest_distance": (("trial",), arrays.closest_distance, {"units": "steps"}),
     }
-    column = 0
-    for name in recorded:
-        n_cells = N_CELLS[name]
-        activity = arrays.record[..., column : column + n_cells]
-        variables[name] = (("trial", "step", *CELL_DIMENSION[n_cells]), activity if n_cells > 1 else activity[..., 0])
-        column += n_cells
-    settings = {f"circuit_{key}": value for key, value in vars(circuit).items() if key != "connectivity"}
-    settings |= {f"motion_{key}": value for key, value in asdict(motion).items()}
+    for name, activity in split_recorded(arrays.activity, params.recorded).items():
+        variables[name] = (("trial", "step", *CELL_DIMENSION[N_CELLS[name]]), activity)
     return xarray.Dataset(
         variables,
         coords={
             "trial": trials,
             "step": np.arange(n_steps),
             "xy": ["x", "y"],
-            "leg": ("step", np.where(np.arange(n_steps) < n_outbound, "out", "home")),
+            "leg": ("step", np.where(np.arange(n_steps) < n_steps - params.n_inbound, "out", "home")),
         },
-        attrs=settings | attributes,
+        attrs=describe(params),
     )
+
+
+def split_recorded(activity: np.ndarray, recorded: Sequence[str]) -> dict[str, np.ndarray]:
+    """Recorded activity (trial, step, row) by population: (trial, step, cell), and (trial, step) for the turn."""
+    parts, first = {}, 0
+    for name in recorded:
+        parts[name] = activity[..., first : first + N_CELLS[name]]
+        first += N_CELLS[name]
+    if "motor" in parts:
+        parts["motor"] = parts["motor"][..., 0]
+    return parts
+
+
+def describe(params: TrialParams) -> dict[str, Any]:
+    """Flat, JSON-ready description of what trials were run with."""
+    description = {f"circuit_{name}": value for name, value in vars(params.circuit).items() if name != "connectivity"}
+    description |= {f"motion_{name}": value for name, value in vars(params.motion).items()}
+    noise = json.dumps(dict(params.noise)) if isinstance(params.noise, Mapping) else params.noise
+    description |= {"noise": noise, "seed": params.seed, "n_inbound": params.n_inbound}
+    return description | {
+        "dtype": np.dtype(params.dtype).name,
+        "perturbations": [str(perturbation) for perturbation in params.perturbations],
+    }

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from insectnav.central_complex.layers import N_ROWS, POPULATIONS, rows
+from insectnav.central_complex.layers import N_NOISY, N_ROWS, POPULATIONS, rows
 from insectnav.central_complex.packing import Constants, Wiring, pack_constants, pack_noise, pack_wiring
 from insectnav.central_complex.parameters import CircuitParams
 from insectnav.checks import InputError, check_choice, check_finite, check_shape
@@ -166,6 +166,7 @@ def step(
         tuple(wiring),
         constants,
         packed_noise,
+        np.full(N_NOISY, -1.0, dtype),
     )
     rates = split_activity(activity.reshape(*batch, N_ROWS))
     stream_after = None if state.stream is None else stream.reshape(*batch, 4)

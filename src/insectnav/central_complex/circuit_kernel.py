@@ -24,7 +24,7 @@ SUBTRACT, GATE = range(2)  # as in parameters.STEERING_RULES
 
 
 @lane_function
-def advance_circuit(activity, stream, lateral, heading, velocity_x, velocity_y, wiring, constants, noise):
+def advance_circuit(activity, stream, lateral, heading, velocity_x, velocity_y, wiring, constants, noise, held):
     """Update all activities by one time step and return the turn [rad], positive to the right.
 
     Parameters
@@ -39,6 +39,8 @@ def advance_circuit(activity, stream, lateral, heading, velocity_x, velocity_y, 
         Heading in −π … π [rad] and velocity [steps per time step].
     wiring, constants, noise
         As packed by `insectnav.central_complex.packing`.
+    held : (N_NOISY,) array
+        Rates that cells are held at, whatever their input; negative for free cells.
 
     Notes
     -----
@@ -53,31 +55,31 @@ def advance_circuit(activity, stream, lateral, heading, velocity_x, velocity_y, 
         alignment = fma(cosine, wiring.preferred_cosine[cell], sine * wiring.preferred_sine[cell])
         drive = alignment if constants.is_sigmoid else fma(alignment, 0.5, 0.5)
         rate = respond(drive, constants.tl_slope, constants.tl_bias, constants)
-        add_to_noise(activity, TL + cell, rate)
-        add_to_noise(activity, TL + cell + 8, rate)
+        set_rate(activity, held, TL + cell, rate)
+        set_rate(activity, held, TL + cell + 8, rate)
     for cell in range(16):
         drive = synaptic_input(activity, wiring, TL_TO_CL1 + cell, 0)
         drive = drive if constants.is_sigmoid else 1.0 + drive
-        add_to_noise(activity, CL1 + cell, respond(drive, constants.cl1_slope, constants.cl1_bias, constants))
+        set_rate(activity, held, CL1 + cell, respond(drive, constants.cl1_slope, constants.cl1_bias, constants))
     for cell in range(8):
         drive = synaptic_input(activity, wiring, CL1_TO_TB1 + cell, 0) - load(lateral, cell)
-        add_to_noise(activity, TB1 + cell, respond(drive, constants.tb1_slope, constants.tb1_bias, constants))
+        set_rate(activity, held, TB1 + cell, respond(drive, constants.tb1_slope, constants.tb1_bias, constants))
 
-    sense_flow(activity, sine, cosine, velocity_x, velocity_y, constants)
+    sense_flow(activity, held, sine, cosine, velocity_x, velocity_y, constants)
     for cell in range(16):
         store(activity, MEMORY + cell, update_memory(activity, wiring, constants, cell))
         drive = load(activity, MEMORY + cell)
-        add_to_noise(activity, CPU4 + cell, respond(drive, constants.cpu4_slope, constants.cpu4_bias, constants))
+        set_rate(activity, held, CPU4 + cell, respond(drive, constants.cpu4_slope, constants.cpu4_bias, constants))
     for cell in range(16):
         drive = synaptic_input(activity, wiring, CPU4_TO_PONTINE + cell, 0)
         rate = respond(drive, constants.pontine_slope, constants.pontine_bias, constants)
-        add_to_noise(activity, PONTINE + cell, rate)
+        set_rate(activity, held, PONTINE + cell, rate)
     for cell in range(16):
         drive = synaptic_input(activity, wiring, CPU4_TO_CPU1 + cell, 0)
         drive = drive - synaptic_input(activity, wiring, PONTINE_TO_CPU1 + cell, 0)
         inhibition = synaptic_input(activity, wiring, TB1_TO_CPU1 + cell, 0)
         drive = drive - inhibition if constants.steering_rule == SUBTRACT else drive * (1.0 - inhibition)
-        add_to_noise(activity, CPU1 + cell, respond(drive, constants.cpu1_slope, constants.cpu1_bias, constants))
+        set_rate(activity, held, CPU1 + cell, respond(drive, constants.cpu1_slope, constants.cpu1_bias, constants))
 
     right = synaptic_input(activity, wiring, CPU1_TO_MOTOR, 0)
     turn = right - synaptic_input(activity, wiring, CPU1_TO_MOTOR + 1, 0)
@@ -126,13 +128,16 @@ def respond(drive, slope, bias, constants):
 
 
 @lane_function
-def add_to_noise(activity, row, rate):
-    """Final rate of a cell: response plus noise, between 0 and 1."""
-    store(activity, row, clip_to_unit(rate + load(activity, row)))
+def set_rate(activity, held, row, rate):
+    """Final rate of a cell: its response plus the noise that is in its row, between 0 and 1, unless it is held."""
+    if held[row] < 0.0:
+        store(activity, row, clip_to_unit(rate + load(activity, row)))
+    else:
+        store(activity, row, held[row])
 
 
 @lane_function
-def sense_flow(activity, sine, cosine, velocity_x, velocity_y, constants):
+def sense_flow(activity, held, sine, cosine, velocity_x, velocity_y, constants):
     """Rates of TN2 and TN1: flow along directions φ_TN to the right (0) and left (1) of the heading θ.
 
     flow = v · (sin(θ ± φ), cos(θ ± φ))
@@ -144,10 +149,10 @@ def sense_flow(activity, sine, cosine, velocity_x, velocity_y, constants):
     if constants.is_flow_averaged:
         right = 0.5 * (right + left)
         left = right
-    add_to_noise(activity, TN2, right)
-    add_to_noise(activity, TN2 + 1, left)
-    add_to_noise(activity, TN1, fma(right, -0.5, 0.5))
-    add_to_noise(activity, TN1 + 1, fma(left, -0.5, 0.5))
+    set_rate(activity, held, TN2, right)
+    set_rate(activity, held, TN2 + 1, left)
+    set_rate(activity, held, TN1, fma(right, -0.5, 0.5))
+    set_rate(activity, held, TN1 + 1, fma(left, -0.5, 0.5))
 
 
 @lane_function

@@ -68,7 +68,9 @@ def _strength(params: CircuitParams, projection: str) -> float:
 
 def pack_wiring(params: CircuitParams, dtype: DTypeLike) -> Wiring:
     """Synapses with a weight other than zero, each weight repeated for every lane."""
-    first, row, weight = [0], [], []
+    first: list[int] = [0]
+    row: list[int] = []
+    weight: list[float] = []
     for projection, (_, source) in PROJECTIONS.items():
         matrix = _strength(params, projection) * getattr(params.connectivity, projection)
         for synapses in matrix:

@@ -9,7 +9,7 @@ from insectnav.lanes.vector import address, load
 
 
 @kernel
-def step_circuits(heading, velocity, tb1, memory, stream, activity, work, words, wiring_arrays, constants, noise):
+def step_circuits(heading, velocity, tb1, memory, stream, activity, work, words, wiring_arrays, constants, noise, held):
     """Advance n circuits by one step: ``activity`` (n, N_ROWS) receives the result, ``stream`` (n, 4) moves on.
 
     ``work`` (N_ROWS + 8 + 3, LANES) and ``words`` (4, LANES) are work space.
@@ -45,6 +45,7 @@ def step_circuits(heading, velocity, tb1, memory, stream, activity, work, words,
             wiring,
             constants,
             address(noise),
+            address(held),
         )
         for lane in range(min(LANES, n_circuits - first)):
             for row in range(N_ROWS):

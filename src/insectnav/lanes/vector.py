@@ -75,7 +75,7 @@ def _add_operator(function: Callable, real: str | None, integer: str | None) -> 
             return None
 
     def lower(context: Any, builder: Any, sig: Any, arguments: Any) -> Any:
-        instruction = getattr(builder, real if sig.return_type.is_real else integer)
+        instruction = getattr(builder, str(real if sig.return_type.is_real else integer))
         operands = (
             _splat(context, builder, value, kind, sig.return_type)
             for value, kind in zip(arguments, sig.args, strict=True)
@@ -182,7 +182,7 @@ def _llvm_function(name: str, n_arguments: int) -> Any:
             operands = [_splat(context, builder, v, t, lanes_type) for v, t in zip(values, sig.args, strict=True)]
             return _call_llvm(builder, name, lanes_type, operands)
 
-        return _common_type(arguments)(*arguments), generate
+        return signature(_common_type(arguments), *arguments), generate
 
     if n_arguments == 1:
         return intrinsic(lambda context, x: typing(context, x))

@@ -1,0 +1,148 @@
+"""From an animal's recorded track to the steps that the circuit is flown along."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insectnav.angles import bearing, wrap
+from insectnav.checks import InputError, check_range
+from insectnav.records import Track
+
+Reals = NDArray[np.floating[Any]]
+
+HIGH_SPEED = 0.85  # [TN range per time step] what the 95th percentile of speed becomes; ours, as in random routes
+MAX_STEPS = 1_000_000
+MAX_STEPS_UNSATURATED = 5000  # thesis, Ext. Data Fig. 9b: memory saturates on longer outbound routes
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RecordedRoute:
+    """A track in the steps of the model.
+
+    Parameters
+    ----------
+    heading : (step,) array [rad]
+        Clockwise from +y.
+    velocity : (step, 2) array [steps per time step]
+        Null at the first step, the nest.
+    nest : (2,) array [length unit of the track]
+        Where the track starts.
+    steps_per_unit : float
+        Steps of the model in a length unit of the track.
+    time_per_step : float [time unit of the track]
+    heading_source : str
+        "recorded" or "direction of motion".
+    notes : tuple of str
+        What the user must be told.
+    """
+
+    heading: Reals
+    velocity: Reals
+    nest: Reals
+    steps_per_unit: float
+    time_per_step: float
+    heading_source: str
+    notes: tuple[str, ...]
+
+    @property
+    def n_steps(self) -> int:
+        """Number of steps, the nest included."""
+        return len(self.heading)
+
+
+def route_from_track(
+    track: Track, *, steps_per_unit: float | None = None, heading_smoothing: float = 2.0
+) -> RecordedRoute:
+    """The track at even time steps, scaled so that the speed cells can follow it.
+
+    A time step is the median interval of the samples, and the length of a step is such that the 95th percentile of
+    speed is 0.85 of what the TN cells can signal. If ``steps_per_unit`` gives the length of a step instead, the time
+    step is chosen to the same end.
+
+    Parameters
+    ----------
+    track : Track
+        From the nest outwards.
+    steps_per_unit : float, optional
+        Steps of the model in a length unit of the track.
+    heading_smoothing : float [time steps]
+        SD of the Gaussian with which velocities are averaged where the heading is the direction of motion. While the
+        animal stands, it keeps its heading.
+
+    Raises
+    ------
+    InputError
+        If the animal stands still in more than 95 % of the samples, or the steps would be too many or too few.
+    """
+    interval = float(np.median(np.diff(track.time)))
+    speed = _percentile_speed(track, _even_times(track, interval))
+    if speed <= 0.0:
+        raise InputError(
+            f"track {track.name!r} stands still in more than 95 % of its samples, expected movement: cut the pauses out"
+        )
+    notes = []
+    if steps_per_unit is None:
+        time_per_step = interval
+        times = _even_times(track, time_per_step)
+        steps_per_unit = HIGH_SPEED / speed
+    else:
+        check_range("steps_per_unit", steps_per_unit, 1e-12, 1e12, f"steps per {track.length_unit}")
+        times = _even_times(track, HIGH_SPEED / steps_per_unit / (speed / interval))
+    time_per_step = float(times[1] - times[0])
+    position = np.stack([np.interp(times, track.time, xy) for xy in track.position.T], axis=-1)
+    velocity = np.diff(position, axis=0, prepend=position[:1]) * steps_per_unit
+    if track.heading is not None:
+        heading, source = wrap(np.interp(times, track.time, np.unwrap(track.heading))), "recorded"
+    else:
+        heading, source = _direction_of_motion(velocity, heading_smoothing), "direction of motion"
+        notes.append(
+            f"no heading column: the heading is the direction of motion, smoothed over {heading_smoothing:g} steps (SD)"
+        )
+    too_fast = float(np.mean(np.linalg.norm(velocity, axis=-1) > 1.0))
+    if too_fast > 0.05:
+        notes.append(f"{100.0 * too_fast:.0f} % of the steps are faster than the speed cells can signal")
+    if len(times) > MAX_STEPS_UNSATURATED:
+        notes.append(f"{len(times)} steps are long enough to saturate the memory: give fewer --steps-per-unit")
+    return RecordedRoute(
+        heading=heading,
+        velocity=velocity,
+        nest=position[0],
+        steps_per_unit=float(steps_per_unit),
+        time_per_step=time_per_step,
+        heading_source=source,
+        notes=tuple(notes),
+    )
+
+
+def _even_times(track: Track, interval: float) -> Reals:
+    """Times about ``interval`` apart from the first sample to the last, both included."""
+    n_intervals = round(min(track.duration / interval, 10.0 * MAX_STEPS))
+    if n_intervals < 1:
+        raise InputError(f"track {track.name!r} would become a single step, expected more: raise --steps-per-unit")
+    if n_intervals > MAX_STEPS:
+        raise InputError(
+            f"track {track.name!r} would become more than {MAX_STEPS} steps, expected fewer: lower --steps-per-unit"
+        )
+    return np.linspace(track.time[0], track.time[-1], n_intervals + 1)
+
+
+def _percentile_speed(track: Track, times: Reals) -> float:
+    """95th percentile of the distance between successive times [length unit]."""
+    position = np.stack([np.interp(times, track.time, xy) for xy in track.position.T], axis=-1)
+    return float(np.percentile(np.linalg.norm(np.diff(position, axis=0), axis=-1), 95.0))
+
+
+def _direction_of_motion(velocity: Reals, smoothing: float) -> Reals:
+    """Heading along velocities averaged with a Gaussian; where they cancel or rest, the heading before."""
+    check_range("heading_smoothing", smoothing, 0.0, 1e4, "time steps")
+    reach = min(int(np.ceil(4.0 * smoothing)), len(velocity))
+    offsets = np.arange(-reach, reach + 1)
+    weights = np.exp(-0.5 * (offsets / max(smoothing, 1e-9)) ** 2)
+    mean = np.stack([np.convolve(v, weights / weights.sum())[reach : reach + len(velocity)] for v in velocity.T], -1)
+    speed = np.linalg.norm(mean, axis=-1)
+    is_moving = speed > 1e-3 * np.percentile(np.linalg.norm(velocity, axis=-1), 95.0)
+    last_moving = np.maximum.accumulate(np.where(is_moving, np.arange(len(velocity)), -1))
+    last_moving[last_moving < 0] = np.argmax(is_moving)
+    return bearing(mean)[last_moving]

@@ -1,0 +1,141 @@
+"""Trials in batches, from arrays to arrays, on all cores."""
+
+import os
+from collections.abc import Callable, Collection, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from insectnav.agents.motion import MotionParams
+from insectnav.agents.perturbations import ClampCells, pack_clamps
+from insectnav.central_complex import POPULATIONS, CircuitParams
+from insectnav.central_complex.layers import N_NOISY, N_ROWS, rows
+from insectnav.central_complex.packing import pack_constants, pack_noise, pack_wiring
+from insectnav.checks import InputError, check_choice, check_count, check_finite, check_shape
+from insectnav.lanes import LANES, empty_rows
+from insectnav.rng import trial_streams
+
+Reals = NDArray[np.floating[Any]]
+BLOCKS_PER_TASK = 4  # small enough to keep all cores busy until the end
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrialParams:
+    """All that a batch of trials is run with, but for the routes; see `insectnav.agents.run_trials`.
+
+    Raises
+    ------
+    InputError
+        If an option has an unknown value.
+    """
+
+    circuit: CircuitParams
+    motion: MotionParams
+    n_inbound: int
+    noise: float | Mapping[str, float]
+    seed: int
+    record: Collection[str] = ()
+    dtype: DTypeLike = "float32"
+    perturbations: Sequence[ClampCells] = ()
+
+    def __post_init__(self) -> None:
+        check_count("n_inbound", self.n_inbound, minimum=0)
+        check_choice("dtype", np.dtype(self.dtype).name, ("float32", "float64"))
+        for population in self.record:
+            check_choice("population to record", population, POPULATIONS)
+
+    @property
+    def recorded(self) -> tuple[str, ...]:
+        """Populations to record, in the order of the circuit."""
+        return tuple(name for name in POPULATIONS if name in self.record)
+
+
+class TrialArrays(NamedTuple):
+    """Results of a batch of trials; the names are those of the Dataset of `insectnav.agents.run_trials`."""
+
+    heading: Reals  # (trial, step) [rad]
+    position: Reals  # (trial, step, 2) [steps]
+    memory_at_turn: Reals  # (trial, 16)
+    closest_distance: Reals  # (trial,) [steps]
+    activity: Reals  # (trial, step, row): cells of the recorded populations, one after the other
+
+
+def simulate_trials(
+    heading: ArrayLike,
+    velocity: ArrayLike,
+    trials: ArrayLike,
+    params: TrialParams,
+    *,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> TrialArrays:
+    """Results of one trial per route, as arrays; `insectnav.agents.run_trials` is this with names.
+
+    Parameters
+    ----------
+    heading : (trial, step) array [rad]
+    velocity : (trial, step, 2) array [steps per time step]
+    trials : (trial,) array of int
+        Numbers that say which noise each trial gets.
+    params : TrialParams
+    workers, progress
+        As of `insectnav.agents.run_trials`.
+
+    Raises
+    ------
+    InputError
+        If shapes do not agree, or a route is empty or not finite.
+    """
+    from insectnav.agents.trial_kernel import run_trials_kernel
+
+    heading, velocity = _check_routes(np.asarray(heading), np.asarray(velocity), params.dtype)
+    (n_trials, n_outbound), dtype = heading.shape, heading.dtype
+    recorded_rows = np.array([row for name in params.recorded for row in range(N_ROWS)[rows(name)]], np.int64)
+    n_steps = n_outbound + params.n_inbound
+    results = TrialArrays(
+        heading=np.empty((n_trials, n_steps), dtype),
+        position=np.empty((n_trials, n_steps, 2), dtype),
+        memory_at_turn=np.empty((n_trials, 16), dtype),
+        closest_distance=np.empty(n_trials, dtype),
+        activity=np.empty((n_trials, n_steps, recorded_rows.size), dtype),
+    )
+    noise = pack_noise(params.noise, dtype)
+    streams = trial_streams(params.seed, trials, "circuit")
+    motion = (params.circuit.memory_start, params.motion.acceleration, params.motion.drag)
+    circuit = (tuple(pack_wiring(params.circuit, dtype)), pack_constants(params.circuit, noise), noise)
+    clamps = pack_clamps(params.perturbations, dtype)
+
+    def run_task(first: int) -> int:
+        last = min(first + BLOCKS_PER_TASK * LANES, n_trials)
+        work = np.empty(N_NOISY, dtype), empty_rows(N_ROWS + 8 + 3, dtype), empty_rows(4, np.uint32)
+        run_trials_kernel(
+            first, last, heading, velocity, streams, *motion, *circuit, clamps, recorded_rows, *work, *results
+        )
+        return last - first
+
+    tasks = range(0, n_trials, BLOCKS_PER_TASK * LANES)
+    with ThreadPoolExecutor(min(_count_workers(workers), len(tasks))) as pool:
+        for n_finished in pool.map(run_task, tasks):
+            if progress is not None:
+                progress(n_finished)
+    return results
+
+
+def _check_routes(heading: Reals, velocity: Reals, dtype: DTypeLike) -> tuple[Reals, Reals]:
+    check_shape("route heading", heading, ("trial", "step"))
+    check_shape("route velocity", velocity, (*heading.shape, 2))
+    if heading.size == 0:
+        raise InputError(f"routes are empty ({heading.shape[0]} trials of {heading.shape[1]} steps), expected some")
+    check_finite("route heading", heading)
+    check_finite("route velocity", velocity)
+    return np.ascontiguousarray(heading, dtype), np.ascontiguousarray(velocity, dtype)
+
+
+def _count_workers(workers: int | None) -> int:
+    if workers is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    check_count("workers", workers)
+    return workers

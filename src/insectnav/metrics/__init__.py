@@ -1,0 +1,1 @@
+"""Measures of how well an animal or a model did; they know of no model."""

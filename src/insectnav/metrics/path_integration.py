@@ -1,0 +1,96 @@
+"""How well a path integrator came home: distances, decoded vectors, straightness."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from insectnav.angles import bearing, wrap
+from insectnav.checks import check_shape
+
+Reals = NDArray[np.floating[Any]]
+
+
+class Summary(NamedTuple):
+    """Location and spread of a sample; NaN where there is none."""
+
+    mean: float
+    median: float
+    sd: float  # of the sample, n − 1
+    p90: float  # 90th percentile
+    n: int
+
+
+def summary(values: ArrayLike) -> Summary:
+    """Mean, median, SD and 90th percentile of the finite values of an array."""
+    finite = np.asarray(values, float).ravel()
+    finite = finite[np.isfinite(finite)]
+    if finite.size == 0:
+        return Summary(np.nan, np.nan, np.nan, np.nan, 0)
+    spread = float(np.std(finite, ddof=1)) if finite.size > 1 else np.nan
+    middle, high = np.percentile(finite, [50.0, 90.0]).tolist()
+    return Summary(float(finite.mean()), middle, spread, high, finite.size)
+
+
+def bearing_error(decoded: ArrayLike, true: ArrayLike) -> Reals:
+    """Angle from the true to the decoded vector, (...) [rad] in [−π, π), positive clockwise.
+
+    Parameters
+    ----------
+    decoded, true : (..., 2) arrays
+    """
+    return wrap(bearing(decoded) - bearing(true))
+
+
+def length_ratio(decoded: ArrayLike, true: ArrayLike) -> Reals:
+    """Length of the decoded over that of the true vector, (...); NaN where the true one is null.
+
+    Parameters
+    ----------
+    decoded, true : (..., 2) arrays
+    """
+    length = np.linalg.norm(true, axis=-1)
+    return np.linalg.norm(decoded, axis=-1) / np.where(length > 0.0, length, np.nan)
+
+
+def distance_left(path: ArrayLike) -> Reals:
+    """Share of the way still to go when an agent has walked as far as the nest was, (trial,); 0 is a straight line.
+
+    Parameters
+    ----------
+    path : (trial, step, 2) array
+        Ways home, from the turning point on; the nest is at 0, 0.
+
+    Returns
+    -------
+    (trial,) array
+        Running minimum of the distance to the nest at path length L, over L, where L is the straight distance at the
+        start; NaN for a path shorter than L, or with L = 0.
+
+    Notes
+    -----
+    The definition that Stone et al. 2017, Fig. 5e, plots. Between two samples the nearest approach so far counts at the
+    path length of the later one.
+    """
+    path = np.asarray(path, float)
+    check_shape("path", path, ("trial", "step", 2))
+    walked = np.cumsum(np.linalg.norm(np.diff(path, axis=1), axis=-1), axis=1)
+    nearest = np.minimum.accumulate(np.linalg.norm(path, axis=-1), axis=1)
+    straight = nearest[:, 0]
+    is_far_enough = walked >= straight[:, None]
+    step = np.argmax(is_far_enough, axis=1) + 1
+    left = nearest[np.arange(len(path)), step] / np.where(straight > 0.0, straight, np.nan)
+    return np.where(is_far_enough.any(axis=1), left, np.nan)
+
+
+def tortuosity(path: ArrayLike) -> float:
+    """L/C of Stone et al. 2017, Fig. 5e: 1 / (1 − mean over trials of `distance_left`); 1 is straight.
+
+    Parameters
+    ----------
+    path : (trial, step, 2) array
+        Ways home, from the turning point on; the nest is at 0, 0.
+    """
+    left = distance_left(path)
+    left = left[np.isfinite(left)]
+    return float(1.0 / (1.0 - left.mean())) if left.size else float("nan")
