@@ -20,27 +20,66 @@ def von_mises_turn(normal, series, n_terms):
     return normal * fma(x, one_before, series[0] - two_before)
 
 
+@lane_function
+def bend_spline(values, bends, ratios, n_knots):
+    """Second derivatives ``bends`` at the evenly spaced knots of the not-a-knot cubic spline through ``values``.
+
+    Notes
+    -----
+    de Boor (1978), A Practical Guide to Splines, ch. IV. The third derivative is the same on both sides of the second
+    knot, which makes the bend there a sixth of the right-hand side; likewise at the last but one. Between them stands
+    a tridiagonal system, solved by elimination.
+    """
+    for knot in range(1, n_knots - 1):
+        second_difference = load(values, knot + 1) - 2.0 * load(values, knot) + load(values, knot - 1)
+        store(bends, knot, 6.0 * second_difference)
+    store(bends, 1, load(bends, 1) * (1.0 / 6.0))
+    store(bends, n_knots - 2, load(bends, n_knots - 2) * (1.0 / 6.0))
+    ratio = 0.0
+    for knot in range(2, n_knots - 2):
+        ratio = 1.0 / (4.0 - ratio)
+        store(ratios, knot, ratio)
+        store(bends, knot, (load(bends, knot) - load(bends, knot - 1)) * ratio)
+    for knot in range(n_knots - 3, 1, -1):
+        store(bends, knot, load(bends, knot) - load(ratios, knot) * load(bends, knot + 1))
+    store(bends, 0, 2.0 * load(bends, 1) - load(bends, 2))
+    store(bends, n_knots - 1, 2.0 * load(bends, n_knots - 2) - load(bends, n_knots - 3))
+
+
+@lane_function
+def evaluate_spline(values, bends, n_knots, place):
+    """The spline at ``place``, counted in knots from 0."""
+    knot = min(int(place), n_knots - 2)
+    after = place - knot
+    before = 1.0 - after
+    straight = load(values, knot) * before + load(values, knot + 1) * after
+    bend = load(bends, knot) * (before**3 - before) + load(bends, knot + 1) * (after**3 - after)
+    return fma(bend, 1.0 / 6.0, straight)
+
+
 @kernel
 def make_routes(
-    first, last, streams, series, basis, low, high, persistence, drag, work, words, heading_out, velocity_out
+    first, last, streams, series, n_knots, low, high, persistence, drag, work, words, heading_out, velocity_out
 ):
     """Write headings (trial, step) and velocities (trial, step, 2) of the trials from ``first`` up to ``last``.
 
-    ``basis`` (step, knot) interpolates accelerations between knots; ``work`` (at least knot + 3, LANES) and
-    ``words`` (4, LANES) are work space.
+    ``n_knots`` random accelerations, evenly spaced over the route, are joined by a spline. ``work`` (3 n_knots + 3,
+    LANES) and ``words`` (4, LANES) are work space.
     """
-    n_steps, n_knots = basis.shape
-    knots, sample = address(work), address(work[n_knots:])
-    series_at, basis_at = address(series), address(basis)
+    n_steps = heading_out.shape[1]
+    values, bends = address(work), address(work[n_knots:])
+    ratios, sample = address(work[2 * n_knots :]), address(work[3 * n_knots :])
+    series_at = address(series)
     words_at = address(words)
-    like = load(knots, 0)
+    like = load(values, 0)
     for block in range(first, last, LANES):
         n_here = min(LANES, last - block)
         fetch_streams(streams, block, n_here, words_at)
         a, b, c, d = load(words_at, 0), load(words_at, 1), load(words_at, 2), load(words_at, 3)
         for knot in range(n_knots):
             bits, a, b, c, d = next_words(a, b, c, d)
-            store(knots, knot, fma(uniform(bits, like), high - low, low))
+            store(values, knot, fma(uniform(bits, like), high - low, low))
+        bend_spline(values, bends, ratios, n_knots)
         heading, velocity_x, velocity_y, rotation = fill(0.0, like), fill(0.0, like), fill(0.0, like), fill(0.0, like)
         spare = fill(0.0, like)
         for step in range(n_steps):
@@ -53,9 +92,8 @@ def make_routes(
             rotation = fma(rotation, persistence, von_mises_turn(normal, series_at, series.shape[0]))
             if step > 0:  # the first turn goes into the filter only: the agent starts at rest, heading 0
                 heading = wrap(heading + rotation)
-                acceleration = fill(0.0, like)
-                for knot in range(n_knots):
-                    acceleration = fma(load(knots, knot), basis_at[step * n_knots + knot], acceleration)
+                place = step * (n_knots - 1) / (n_steps - 1)
+                acceleration = evaluate_spline(values, bends, n_knots, place)
                 velocity_x, velocity_y = accelerate(heading, velocity_x, velocity_y, acceleration, drag)
             store(sample, 0, heading)
             store(sample, 1, velocity_x)

@@ -79,29 +79,7 @@ def random_routes(
     """
     import xarray
 
-    from insectnav.agents.route_kernel import make_routes
-
-    check_count("n_trials", n_trials)
-    check_count("n_steps", n_steps)
-    check_choice("dtype", np.dtype(dtype).name, ("float64", "float32"))
-    basis = _spline_basis(n_steps, n_steps // params.steps_per_knot if n_steps > 200 else 4)
-    heading = np.empty((n_trials, n_steps), dtype)
-    velocity = np.empty((n_trials, n_steps, 2), dtype)
-    make_routes(
-        0,
-        n_trials,
-        trial_streams(seed, np.arange(n_trials), "routes"),
-        von_mises_series(params.turn_concentration),
-        basis,
-        params.lowest_acceleration,
-        params.highest_acceleration,
-        params.turn_persistence,
-        params.drag,
-        empty_rows(basis.shape[1] + 3, "float64"),
-        empty_rows(4, np.uint32),
-        heading,
-        velocity,
-    )
+    heading, velocity = route_arrays(n_trials, n_steps, params, seed, dtype)
     return xarray.Dataset(
         {
             "heading": (("trial", "step"), heading, {"units": "rad", "zero": "+y", "positive": "clockwise"}),
@@ -112,10 +90,31 @@ def random_routes(
     )
 
 
-def _spline_basis(n_steps: int, n_knots: int) -> NDArray[np.float64]:
-    """Weight of each knot's value in the cubic spline through evenly spaced knots, (n_steps, n_knots)."""
-    from scipy.interpolate import CubicSpline
+def route_arrays(
+    n_trials: int, n_steps: int, params: RouteParams, seed: int, dtype: DTypeLike = "float64"
+) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    """Headings (trial, step) and velocities (trial, step, 2): `random_routes` without the names."""
+    from insectnav.agents.route_kernel import make_routes
 
-    n_knots = max(n_knots, 4)
-    knots = np.linspace(0.0, 1.0, n_knots)
-    return np.ascontiguousarray(CubicSpline(knots, np.eye(n_knots))(np.linspace(0.0, 1.0, n_steps)))
+    check_count("n_trials", n_trials)
+    check_count("n_steps", n_steps)
+    check_choice("dtype", np.dtype(dtype).name, ("float64", "float32"))
+    n_knots = max(4, n_steps // params.steps_per_knot if n_steps > 200 else 4)  # fewer do not make a cubic
+    heading = np.empty((n_trials, n_steps), dtype)
+    velocity = np.empty((n_trials, n_steps, 2), dtype)
+    make_routes(
+        0,
+        n_trials,
+        trial_streams(seed, np.arange(n_trials), "routes"),
+        von_mises_series(params.turn_concentration),
+        n_knots,
+        params.lowest_acceleration,
+        params.highest_acceleration,
+        params.turn_persistence,
+        params.drag,
+        empty_rows(3 * n_knots + 3, "float64"),
+        empty_rows(4, np.uint32),
+        heading,
+        velocity,
+    )
+    return heading, velocity

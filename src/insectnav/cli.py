@@ -1,0 +1,153 @@
+"""The command line: thin, one function for each command."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from insectnav.checks import InputError
+
+app = typer.Typer(
+    name="insectnav",
+    help="Insect visual navigation: sky and places, homing by views, path integration.",
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+@app.callback()
+def _commands(
+    version: Annotated[bool, typer.Option("--version", help="Print the version and stop.")] = False,
+) -> None:
+    if version:
+        from insectnav import __version__
+
+        typer.echo(__version__)
+        raise typer.Exit
+
+
+@app.command()
+def home(
+    track: Annotated[
+        str | None, typer.Argument(help="CSV or TSV with time, x, y and perhaps heading; none: a random foraging trip.")
+    ] = None,
+    preset: Annotated[str, typer.Option(help="Constants: thesis or code-2017.")] = "thesis",
+    variant: Annotated[
+        str,
+        typer.Option(
+            help="Circuit: partially-holonomic, non-holonomic, fully-holonomic, no-pontine or idealised.",
+        ),
+    ] = "partially-holonomic",
+    noise: Annotated[float, typer.Option(help="SD of the noise on each firing rate.")] = 0.1,
+    trials: Annotated[int, typer.Option(help="Number of ways home.")] = 100,
+    homing_steps: Annotated[
+        int | None,
+        typer.Option(help="Steps of each way home [default: as many as out, or twice the straight way if longer]."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of all random numbers.")] = 0,
+    reverse: Annotated[bool, typer.Option("--reverse", help="Fly the track backwards.")] = False,
+    steps_per_unit: Annotated[
+        float | None,
+        typer.Option(
+            help="Steps of the model in a length unit of the track "
+            "[default: such that the 95th percentile of speed is 0.85 of what the speed cells can signal]."
+        ),
+    ] = None,
+    heading_convention: Annotated[
+        str, typer.Option(help="compass: clockwise from +y; math: anticlockwise from +x.")
+    ] = "compass",
+    max_gap: Annotated[float, typer.Option(help="Longest gap that is filled [s].")] = 1.0,
+    max_gap_samples: Annotated[int, typer.Option(help="Longest gap that is filled [samples].")] = 20,
+    out: Annotated[str | None, typer.Option(help="Folder for the results [default: out/NAME OF THE TRACK].")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
+) -> None:
+    """Fly the bee's path integrator along a track and let it steer home."""
+    from insectnav.datasets.tracks import read_track
+    from insectnav.experiments.home import HomeParams, Trip, random_trip, recorded_trip, run
+    from insectnav.experiments.results import to_json
+
+    params = HomeParams(
+        preset=preset,
+        variant=variant,
+        noise=noise,
+        n_trials=trials,
+        n_inbound=homing_steps,
+        seed=seed,
+        steps_per_unit=steps_per_unit,
+    )
+    if track is None:
+        if reverse or steps_per_unit is not None:
+            raise InputError("--reverse and --steps-per-unit need a track, but none was given")
+        make_trip: Callable[[], Trip] = lambda: random_trip(seed)  # noqa: E731
+    else:
+        recorded = read_track(
+            track, heading_convention=heading_convention, max_gap_s=max_gap, max_gap_samples=max_gap_samples
+        )
+        trip = recorded_trip(recorded.reversed() if reverse else recorded, steps_per_unit)
+        make_trip = lambda: trip  # noqa: E731
+    folder = Path(out) if out is not None else Path("out") / (Path(track).stem if track else "random-trip")
+    with _progress_bar(trials, "ways home") as advance:
+        result = run(make_trip, params, folder, advance)
+    print(to_json(result | {"folder": str(folder)}) if as_json else _in_words(result, folder))
+
+
+def _in_words(result: dict[str, Any], folder: Path) -> str:
+    """What a person wants to know of a way home."""
+    scale, measures = result["scale"], result["results"]
+    unit = scale["length_unit"]
+    closest, error = measures["closest_distance"], measures["decoded_bearing_error_absolute"]
+    found, straightness = measures["came_within_search_radius"], measures["straightness"]
+    lines = [
+        f"{result['name']}: {scale['outbound_steps']} steps out, {scale['homing_steps']} home, "
+        f"{scale['steps_per_length_unit']:.4g} steps per {unit}; heading: {result['heading']}",
+        f"turning point         {measures['distance_of_turning_point']['mean']:.4g} {unit} from the nest",
+        f"closest distance      mean {closest['mean']:.3g}, median {closest['median']:.3g}, SD {closest['sd']:.3g}, "
+        f"90th percentile {closest['p90']:.3g} {unit} (n = {closest['n']})",
+        f"within {scale['search_radius']:.3g} {unit} of nest  {100 * found['mean']:.0f} % of the trials",
+        f"decoded home vector   {error['mean']:.3g}° off, {measures['decoded_over_true_length']['mean']:.3g} × as long",
+        f"straightness          {straightness['mean']:.3g}, tortuosity {measures['tortuosity']['mean']:.4g}",
+    ]
+    lines += [f"note: {note}" for note in result["notes"]]
+    return "\n".join([*lines, f"figure, table and data: {folder}"])
+
+
+@contextmanager
+def _progress_bar(total: int, description: str) -> Iterator[Callable[[int], None] | None]:
+    """A bar on a terminal; nothing where the output is read by a program."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task(description, total=total)
+        yield lambda n_finished: progress.advance(task, n_finished)
+
+
+def main() -> None:
+    """Run the command line; bad input ends with one sentence on stderr and exit code 2."""
+    try:
+        code = app(standalone_mode=False)
+    except InputError as error:
+        code = _refuse(str(error))
+    except typer.TyperException as error:
+        code = _refuse(error.format_message())
+    except (KeyboardInterrupt, typer.Abort):
+        print("insectnav: interrupted, nothing written", file=sys.stderr)
+        code = 130
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _refuse(sentence: str) -> int:
+    print("insectnav:", " ".join(sentence.split()), file=sys.stderr)
+    return 2
+
+
+if __name__ == "__main__":
+    main()

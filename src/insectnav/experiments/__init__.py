@@ -1,0 +1,1 @@
+"""Experiments: simulate, summarise, draw, and leave everything in a folder."""

@@ -1,0 +1,131 @@
+"""The figure of `insectnav home`: paths on the left, activity of the circuit on the right."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from insectnav.experiments.figure_process import serve
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, RATES, journal_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PANELS = {
+    "tl": "TL",
+    "cl1": "CL1",
+    "tb1": "TB1",
+    "tn2": "TN2",
+    "memory": "Memory",
+    "cpu4": "CPU4",
+    "pontine": "Pontine",
+    "cpu1": "CPU1",
+}
+
+
+def draw(data: Mapping[str, Any]) -> Figure:
+    """Outbound track and ways home; beside them the activity of every population over the first trial.
+
+    Parameters
+    ----------
+    data : mapping
+        As from `insectnav.experiments.home.figure_data`.
+
+    Notes
+    -----
+    After Stone et al. 2017, Fig. 5a, b: rates are divided by the highest of their population.
+    """
+    from matplotlib.figure import Figure
+
+    with journal_style():
+        figure = Figure(figsize=(DOUBLE_COLUMN, 4.3))
+        _draw_paths(figure.add_axes((0.065, 0.235, 0.385, 0.71)), data)
+        _draw_activity(figure, data)
+    return figure
+
+
+def _draw_paths(axes: Axes, data: Mapping[str, Any]) -> None:
+    """Map in the unit of the track, with the nest, its search radius and the decoded home vector."""
+    from matplotlib.collections import LineCollection
+    from matplotlib.patches import Circle
+
+    unit = _plural(str(data["unit"]))
+    radius = f"{float(data['search_radius']):.3g} {unit}"
+    nest, turn = data["nest"], data["outbound"][-1]
+    ways_home = data["homing"]
+    faint = max(0.12, 0.8 / len(ways_home) ** 0.5)
+    axes.add_collection(LineCollection(ways_home, colors=COLOURS["sky"], linewidths=0.4, alpha=faint, zorder=1))
+    n_trials = int(data["n_trials"])
+    axes.plot([], [], color=COLOURS["sky"], linewidth=0.8, label=f"ways home (n = {n_trials})")
+    axes.plot(*ways_home[0].T, color=COLOURS["blue"], linewidth=0.8, zorder=3, label="first way home")
+    axes.plot(*data["outbound"].T, color="0.25", linewidth=0.9, zorder=2, label="outbound")
+    circle = Circle(tuple(nest), float(data["search_radius"]), fill=False, linestyle="--", linewidth=0.7, zorder=4)
+    axes.add_patch(circle)
+    axes.plot(*nest, marker="o", color="white", markeredgecolor="black", markersize=4.5, zorder=5, linestyle="none")
+    axes.plot(*turn, marker="s", color=COLOURS["orange"], markersize=3.5, zorder=5, linestyle="none")
+    vector = np.mean(data["home_vector"], axis=0)
+    arrow = {"arrowstyle": "-|>", "color": COLOURS["red"], "linewidth": 1.2, "shrinkA": 0.0, "shrinkB": 0.0}
+    axes.annotate("", xy=tuple(turn + vector), xytext=tuple(turn), arrowprops=arrow, zorder=6)
+    axes.update_datalim([turn + vector, nest + data["search_radius"], nest - data["search_radius"]])
+    axes.autoscale_view()
+    axes.plot([], [], color=COLOURS["red"], linewidth=1.2, label="decoded home vector (mean)")
+    axes.plot(
+        [], [], marker="o", color="white", markeredgecolor="black", markersize=4.5, linestyle="none", label="nest"
+    )
+    axes.plot([], [], color="black", linewidth=0.7, linestyle="--", label=f"search radius ({radius})")
+    axes.plot([], [], marker="s", color=COLOURS["orange"], markersize=3.5, linestyle="none", label="turning point")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel(f"x ({unit})")
+    axes.set_ylabel(f"y ({unit})")
+    axes.set_title(str(data["name"]), loc="left")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, handlelength=1.6, columnspacing=1.2)
+
+
+def _plural(unit: str) -> str:
+    return {"step": "steps", "unit": "units", "frame": "frames"}.get(unit, unit)
+
+
+def _draw_activity(figure: Figure, data: Mapping[str, Any]) -> None:
+    """One image for each population: cells down, time across, the turning point marked."""
+    n_outbound, n_steps = len(data["outbound"]), len(data["activity_tl"])
+    time_per_step, time_unit = float(data["time_per_step"]), str(data["time_unit"])
+    grid = figure.add_gridspec(
+        len(PANELS), 1, left=0.545, right=0.905, bottom=0.1, top=0.945, hspace=0.22,
+        height_ratios=[2 if name == "tn2" else 4 for name in PANELS],
+    )  # fmt: skip
+    for row, (population, label) in enumerate(PANELS.items()):
+        panel = figure.add_subplot(grid[row])
+        rates = _shorten(np.asarray(data[f"activity_{population}"], float).T)
+        image = panel.imshow(
+            rates / max(rates.max(), 1e-12),
+            aspect="auto",
+            interpolation="none",
+            cmap=RATES,
+            vmin=0.0,
+            vmax=1.0,
+            extent=(0.0, n_steps * time_per_step, len(rates) + 0.5, 0.5),
+        )
+        panel.axvline(n_outbound * time_per_step, color=COLOURS["orange"], linewidth=1.0)
+        panel.set_ylabel(label, rotation=0, ha="right", va="center")
+        panel.set_yticks([1, len(rates)])
+        if row == 0:
+            panel.set_title("activity in the first trial", loc="left")
+            panel.text(n_outbound * time_per_step, 0.0, "turning point", ha="center", va="bottom", fontsize=6)
+        panel.xaxis.set_visible(row == len(PANELS) - 1)
+    panel.set_xlabel(f"time ({_plural(time_unit)})")
+    bar = figure.colorbar(image, cax=figure.add_axes((0.925, 0.1, 0.012, 0.845)))
+    bar.set_label("rate / highest of the population")
+
+
+def _shorten(rates: np.ndarray, n_columns: int = 800) -> np.ndarray:
+    """Rates (cell, step) averaged over as many steps as one dot of the picture covers."""
+    n_per_column = -(-rates.shape[1] // n_columns)
+    starts = np.arange(0, rates.shape[1], n_per_column)
+    return np.add.reduceat(rates, starts, axis=1) / np.diff(starts, append=rates.shape[1])
+
+
+if __name__ == "__main__":
+    serve(draw)

@@ -1,0 +1,155 @@
+"""Leaving results on disk: whole or not at all."""
+
+import csv
+import json
+import math
+import os
+import platform
+import secrets
+import shutil
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from insectnav import __version__
+from insectnav.checks import InputError, quoted
+
+PROVENANCE = "provenance.json"  # in every folder of results; a folder that has it may be replaced
+
+
+@contextmanager
+def results_folder(destination: str | os.PathLike[str]) -> Iterator[Path]:
+    """A temporary folder beside the destination, renamed to it when the block ends well and removed when it does not.
+
+    Raises
+    ------
+    InputError
+        If the destination cannot be written, is a file, or holds other things than earlier results.
+    """
+    final = Path(os.path.abspath(destination))
+    check_destination(final)
+    temporary = final.with_name(f".{final.name}.{secrets.token_hex(4)}.part")
+    with _as_input_error(final):
+        final.parent.mkdir(parents=True, exist_ok=True)
+        temporary.mkdir()
+    try:
+        yield temporary
+        with _as_input_error(final):
+            _replace(final, temporary)
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def check_destination(destination: str | os.PathLike[str]) -> None:
+    """Refuse, before any work is done, a destination that results could not be moved to.
+
+    Raises
+    ------
+    InputError
+        If the destination is a file, cannot be written, or holds other things than earlier results.
+    """
+    final = Path(os.path.abspath(destination))
+    shown = quoted(destination, limit=200)
+    with _as_input_error(final):
+        if final.exists() and not final.is_dir():
+            raise InputError(f"--out {shown} is a file, expected a folder or a new name")
+        if final.is_dir() and any(final.iterdir()) and not (final / PROVENANCE).is_file():
+            raise InputError(f"--out {shown} holds other files, expected a new name or a folder of earlier results")
+        existing = final.parent
+        while not existing.exists():
+            existing = existing.parent
+        if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
+            raise InputError(f"--out {shown} cannot be written, expected a place where you may make a folder")
+
+
+@contextmanager
+def _as_input_error(path: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"--out {quoted(path, limit=200)} cannot be written ({error.strerror})") from None
+
+
+def _replace(final: Path, temporary: Path) -> None:
+    if not final.exists():
+        temporary.rename(final)
+        return
+    old = temporary.with_suffix(".old")
+    final.rename(old)
+    try:
+        temporary.rename(final)
+    except OSError:
+        old.rename(final)
+        raise
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def to_json(value: Any) -> str:
+    """Strict JSON, indented: NumPy numbers as numbers, NaN and infinity as null."""
+    return json.dumps(_plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def write_table(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Rows with the same keys as CSV; numbers with six significant digits, NaN as an empty cell."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
+        writer.writeheader()
+        for row in rows:
+            writer.writerow({key: _cell(value) for key, value in row.items()})
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, float | np.floating):
+        return f"{value:.6g}" if math.isfinite(value) else ""
+    return value
+
+
+def write_arrays(path: Path, arrays: Mapping[str, tuple], attributes: Mapping[str, Any]) -> None:
+    """Named arrays with named dimensions as a zarr group that ``xarray.open_zarr`` reads.
+
+    Parameters
+    ----------
+    path : Path
+    arrays : name -> (dimensions, array) or (dimensions, array, attributes)
+    attributes : of the group
+    """
+    import zarr
+
+    group = zarr.create_group(path, attributes=_plain(attributes))
+    for name, (dimensions, values, *own_attributes) in arrays.items():
+        values = np.asarray(values)
+        stored = group.create_array(name, data=values, dimension_names=dimensions)
+        for own in own_attributes:
+            stored.attrs.update(_plain(own))
+
+
+def provenance(seconds: float) -> dict[str, Any]:
+    """What a result was made with: versions, machine, command and time taken."""
+    packages = ("numpy", "numba", "scipy", "xarray", "zarr", "matplotlib")
+    return {
+        "insectnav": __version__,
+        "python": platform.python_version(),
+        "packages": {package: version(package) for package in packages},
+        "machine": {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count()},
+        "command": [Path(sys.argv[0]).name, *sys.argv[1:]],
+        "seconds": round(seconds, 3),
+    }
