@@ -12,9 +12,10 @@ from insectnav.records import Track
 
 Reals = NDArray[np.floating[Any]]
 
-HIGH_SPEED = 0.85  # [TN range per time step] what the 95th percentile of speed becomes; ours, as in random routes
+HIGH_SPEED = 0.85  # [TN range] what the 95th percentile of speed becomes; ours, the top speed of random routes
+FARTHEST = 300.0  # [steps] ours: flown straight at that speed, memory saturates from 350 to 400 steps on
+LONGEST = 5000  # [time steps] thesis, Ext. Data Fig. 9b: memory saturates on longer random routes
 MAX_STEPS = 1_000_000
-MAX_STEPS_UNSATURATED = 5000  # thesis, Ext. Data Fig. 9b: memory saturates on longer outbound routes
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,11 +56,12 @@ class RecordedRoute:
 def route_from_track(
     track: Track, *, steps_per_unit: float | None = None, heading_smoothing: float = 2.0
 ) -> RecordedRoute:
-    """The track at even time steps, scaled so that the speed cells can follow it.
+    """The track at even time steps, scaled so that the speed cells can follow it and the memory can hold it.
 
-    A time step is the median interval of the samples, and the length of a step is such that the 95th percentile of
-    speed is 0.85 of what the TN cells can signal. If ``steps_per_unit`` gives the length of a step instead, the time
-    step is chosen to the same end.
+    A time step is the median interval of the samples; where the farthest point of the track would then be more than
+    300 steps from its start, or the track longer than 5000 time steps, it is as much longer as that takes. The length
+    of a step is such that the 95th percentile of speed is 0.85 of what the TN cells can signal. If ``steps_per_unit``
+    gives the length of a step instead, the time step is chosen to the same end, and the memory may saturate.
 
     Parameters
     ----------
@@ -77,21 +79,17 @@ def route_from_track(
         If the animal stands still in more than 95 % of the samples, or the steps would be too many or too few.
     """
     interval = float(np.median(np.diff(track.time)))
-    speed = _percentile_speed(track, _even_times(track, interval))
-    if speed <= 0.0:
-        raise InputError(
-            f"track {track.name!r} stands still in more than 95 % of its samples, expected movement: cut the pauses out"
-        )
+    top_speed = _top_speed(track, _even_times(track, interval)) / interval
     notes = []
     if steps_per_unit is None:
-        time_per_step = interval
-        times = _even_times(track, time_per_step)
-        steps_per_unit = HIGH_SPEED / speed
+        times = _even_times(track, _fitting_time_step(track, interval, top_speed))
+        steps_per_unit = HIGH_SPEED / _top_speed(track, times)
+        if (stretch := float(times[1] - times[0]) / interval) > 1.1:
+            notes.append(f"a time step is {stretch:.3g} samples long, so that the memory can hold the track")
     else:
         check_range("steps_per_unit", steps_per_unit, 1e-12, 1e12, f"steps per {track.length_unit}")
-        times = _even_times(track, HIGH_SPEED / steps_per_unit / (speed / interval))
-    time_per_step = float(times[1] - times[0])
-    position = np.stack([np.interp(times, track.time, xy) for xy in track.position.T], axis=-1)
+        times = _even_times(track, HIGH_SPEED / steps_per_unit / top_speed)
+    position = _position_at(track, times)
     velocity = np.diff(position, axis=0, prepend=position[:1]) * steps_per_unit
     if track.heading is not None:
         heading, source = wrap(np.interp(times, track.time, np.unwrap(track.heading))), "recorded"
@@ -100,20 +98,23 @@ def route_from_track(
         notes.append(
             f"no heading column: the heading is the direction of motion, smoothed over {heading_smoothing:g} steps (SD)"
         )
-    too_fast = float(np.mean(np.linalg.norm(velocity, axis=-1) > 1.0))
-    if too_fast > 0.05:
+    if (too_fast := float(np.mean(np.linalg.norm(velocity, axis=-1) > 1.0))) > 0.05:
         notes.append(f"{100.0 * too_fast:.0f} % of the steps are faster than the speed cells can signal")
-    if len(times) > MAX_STEPS_UNSATURATED:
-        notes.append(f"{len(times)} steps are long enough to saturate the memory: give fewer --steps-per-unit")
     return RecordedRoute(
         heading=heading,
         velocity=velocity,
         nest=position[0],
         steps_per_unit=float(steps_per_unit),
-        time_per_step=time_per_step,
+        time_per_step=float(times[1] - times[0]),
         heading_source=source,
         notes=tuple(notes),
     )
+
+
+def _fitting_time_step(track: Track, interval: float, top_speed: float) -> float:
+    """Time step for which neither the farthest point nor the whole track is too much for the memory."""
+    farthest = float(np.linalg.norm(track.position - track.position[0], axis=-1).max())
+    return max(interval, farthest / FARTHEST * HIGH_SPEED / top_speed, track.duration / LONGEST)
 
 
 def _even_times(track: Track, interval: float) -> Reals:
@@ -128,10 +129,18 @@ def _even_times(track: Track, interval: float) -> Reals:
     return np.linspace(track.time[0], track.time[-1], n_intervals + 1)
 
 
-def _percentile_speed(track: Track, times: Reals) -> float:
+def _position_at(track: Track, times: Reals) -> Reals:
+    return np.stack([np.interp(times, track.time, coordinate) for coordinate in track.position.T], axis=-1)
+
+
+def _top_speed(track: Track, times: Reals) -> float:
     """95th percentile of the distance between successive times [length unit]."""
-    position = np.stack([np.interp(times, track.time, xy) for xy in track.position.T], axis=-1)
-    return float(np.percentile(np.linalg.norm(np.diff(position, axis=0), axis=-1), 95.0))
+    speed = float(np.percentile(np.linalg.norm(np.diff(_position_at(track, times), axis=0), axis=-1), 95.0))
+    if speed > 0.0:
+        return speed
+    raise InputError(
+        f"track {track.name!r} stands still in more than 95 % of its samples, expected movement: cut the pauses out"
+    )
 
 
 def _direction_of_motion(velocity: Reals, smoothing: float) -> Reals:

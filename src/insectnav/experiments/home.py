@@ -230,7 +230,12 @@ def report(homing: Homing, rows: list[dict[str, Any]], params: HomeParams) -> di
 def _saturation(homing: Homing) -> list[str]:
     memory = homing.arrays.memory_at_turn
     saturated = float(np.mean((memory <= 0.0) | (memory >= 1.0)))
-    return [f"{100.0 * saturated:.0f} % of the memory cells were saturated at the turning point"] if saturated else []
+    if saturated == 0.0:
+        return []
+    return [
+        f"{100.0 * saturated:.0f} % of the memory cells were saturated at the turning point, which shortens the home "
+        "vector: lower --steps-per-unit"
+    ]
 
 
 def run(

@@ -42,7 +42,7 @@ def draw(data: Mapping[str, Any]) -> Figure:
 
     with journal_style():
         figure = Figure(figsize=(DOUBLE_COLUMN, 4.3))
-        _draw_paths(figure.add_axes((0.065, 0.235, 0.385, 0.71)), data)
+        _draw_paths(figure.add_axes((0.065, 0.235, 0.385, 0.69)), data)
         _draw_activity(figure, data)
     return figure
 
@@ -80,7 +80,7 @@ def _draw_paths(axes: Axes, data: Mapping[str, Any]) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(f"x ({unit})")
     axes.set_ylabel(f"y ({unit})")
-    axes.set_title(str(data["name"]), loc="left")
+    axes.set_title(str(data["name"]), loc="left", pad=10.0)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, handlelength=1.6, columnspacing=1.2)
 
 
@@ -93,7 +93,7 @@ def _draw_activity(figure: Figure, data: Mapping[str, Any]) -> None:
     n_outbound, n_steps = len(data["outbound"]), len(data["activity_tl"])
     time_per_step, time_unit = float(data["time_per_step"]), str(data["time_unit"])
     grid = figure.add_gridspec(
-        len(PANELS), 1, left=0.545, right=0.905, bottom=0.1, top=0.945, hspace=0.22,
+        len(PANELS), 1, left=0.545, right=0.905, bottom=0.1, top=0.925, hspace=0.22,
         height_ratios=[2 if name == "tn2" else 4 for name in PANELS],
     )  # fmt: skip
     for row, (population, label) in enumerate(PANELS.items()):
@@ -110,13 +110,14 @@ def _draw_activity(figure: Figure, data: Mapping[str, Any]) -> None:
         )
         panel.axvline(n_outbound * time_per_step, color=COLOURS["orange"], linewidth=1.0)
         panel.set_ylabel(label, rotation=0, ha="right", va="center")
+        panel.yaxis.set_label_coords(-0.055, 0.5)
         panel.set_yticks([1, len(rates)])
         if row == 0:
-            panel.set_title("activity in the first trial", loc="left")
+            panel.set_title("activity in the first trial", loc="left", pad=10.0)
             panel.text(n_outbound * time_per_step, 0.0, "turning point", ha="center", va="bottom", fontsize=6)
         panel.xaxis.set_visible(row == len(PANELS) - 1)
     panel.set_xlabel(f"time ({_plural(time_unit)})")
-    bar = figure.colorbar(image, cax=figure.add_axes((0.925, 0.1, 0.012, 0.845)))
+    bar = figure.colorbar(image, cax=figure.add_axes((0.925, 0.1, 0.012, 0.825)))
     bar.set_label("rate / highest of the population")
 
 
