@@ -50,7 +50,8 @@ def check_count(name: str, value: object, minimum: int = 1) -> None:
     """Refuse anything but a whole number of at least `minimum`."""
     if isinstance(value, numbers.Integral) and not isinstance(value, bool) and int(value) >= minimum:
         return
-    raise InputError(f"{name} is {quoted(value)}, expected a whole number of at least {minimum}")
+    shown = value if isinstance(value, numbers.Real) else quoted(value)
+    raise InputError(f"{name} is {shown}, expected a whole number of at least {minimum}")
 
 
 def check_finite(name: str, values: npt.ArrayLike) -> None:

@@ -14,21 +14,23 @@ app = typer.Typer(
     name="insectnav",
     help="Insect visual navigation: sky and places, homing by views, path integration.",
     add_completion=False,
-    no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
 
 
-@app.callback()
+@app.callback(invoke_without_command=True)
 def _commands(
+    context: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="Print the version and stop.")] = False,
 ) -> None:
     if version:
         from insectnav import __version__
 
-        typer.echo(__version__)
+        print(__version__)
         raise typer.Exit
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 @app.command()
@@ -38,10 +40,7 @@ def home(
     ] = None,
     preset: Annotated[str, typer.Option(help="Constants: thesis or code-2017.")] = "thesis",
     variant: Annotated[
-        str,
-        typer.Option(
-            help="Circuit: partially-holonomic, non-holonomic, fully-holonomic, no-pontine or idealised.",
-        ),
+        str, typer.Option(help="Circuit: partially-holonomic, non-holonomic, fully-holonomic, no-pontine, idealised.")
     ] = "partially-holonomic",
     noise: Annotated[float, typer.Option(help="SD of the noise on each firing rate.")] = 0.1,
     trials: Annotated[int, typer.Option(help="Number of ways home.")] = 100,
@@ -72,14 +71,8 @@ def home(
     from insectnav.experiments.results import to_json
 
     params = HomeParams(
-        preset=preset,
-        variant=variant,
-        noise=noise,
-        n_trials=trials,
-        n_inbound=homing_steps,
-        seed=seed,
-        steps_per_unit=steps_per_unit,
-    )
+        preset=preset, variant=variant, noise=noise, n_trials=trials, n_inbound=homing_steps, seed=seed,
+    )  # fmt: skip
     if track is None:
         if reverse or steps_per_unit is not None:
             raise InputError("--reverse and --steps-per-unit need a track, but none was given")

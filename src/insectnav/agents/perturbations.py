@@ -7,10 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insectnav.central_complex.layers import N_CELLS, N_NOISY, ROW
+from insectnav.central_complex.layers import N_CELLS, POPULATIONS_WITH_RATE, ROW
 from insectnav.checks import InputError, check_choice, check_count, check_range
-
-CLAMPABLE = tuple(name for name in N_CELLS if ROW[name] < N_NOISY)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +43,7 @@ class ClampCells:
     end_step: int | None = None
 
     def __post_init__(self) -> None:
-        check_choice("population to clamp", self.population, CLAMPABLE)
+        check_choice("population to clamp", self.population, POPULATIONS_WITH_RATE)
         check_range("clamped rate", self.rate, 0.0, 1.0)
         check_count("first_step", self.first_step, minimum=0)
         if self.end_step is not None:

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from insectnav.agents.motion import MotionParams
 from insectnav.agents.perturbations import ClampCells, pack_clamps
 from insectnav.central_complex import POPULATIONS, CircuitParams
-from insectnav.central_complex.layers import N_NOISY, N_ROWS, rows
-from insectnav.central_complex.packing import pack_constants, pack_noise, pack_wiring
+from insectnav.central_complex.layers import N_ROWS, rows
+from insectnav.central_complex.packing import new_workspace, pack_circuit
 from insectnav.checks import InputError, check_choice, check_count, check_finite, check_shape
-from insectnav.lanes import LANES, empty_rows
+from insectnav.lanes import LANES
 from insectnav.rng import trial_streams
 
 Reals = NDArray[np.floating[Any]]
@@ -60,7 +60,16 @@ class TrialArrays(NamedTuple):
     position: Reals  # (trial, step, 2) [steps]
     memory_at_turn: Reals  # (trial, 16)
     closest_distance: Reals  # (trial,) [steps]
-    activity: Reals  # (trial, step, row): cells of the recorded populations, one after the other
+    activity: Reals  # (trial, step, column): cells of the recorded populations, one after the other
+    recorded_rows: NDArray[np.int64]  # (column,) which cells they are, rows as in `insectnav.central_complex.layers`
+
+
+class Motion(NamedTuple):
+    """How an agent starts and moves, in the form that the kernel reads."""
+
+    memory_start: float
+    acceleration: float
+    drag: float
 
 
 def simulate_trials(
@@ -101,19 +110,16 @@ def simulate_trials(
         memory_at_turn=np.empty((n_trials, 16), dtype),
         closest_distance=np.empty(n_trials, dtype),
         activity=np.empty((n_trials, n_steps, recorded_rows.size), dtype),
+        recorded_rows=recorded_rows,
     )
-    noise = pack_noise(params.noise, dtype)
     streams = trial_streams(params.seed, trials, "circuit")
-    motion = (params.circuit.memory_start, params.motion.acceleration, params.motion.drag)
-    circuit = (tuple(pack_wiring(params.circuit, dtype)), pack_constants(params.circuit, noise), noise)
+    circuit = pack_circuit(params.circuit, params.noise, dtype)
+    motion = Motion(params.circuit.memory_start, params.motion.acceleration, params.motion.drag)
     clamps = pack_clamps(params.perturbations, dtype)
 
     def run_task(first: int) -> int:
-        last = min(first + BLOCKS_PER_TASK * LANES, n_trials)
-        work = np.empty(N_NOISY, dtype), empty_rows(N_ROWS + 8 + 3, dtype), empty_rows(4, np.uint32)
-        run_trials_kernel(
-            first, last, heading, velocity, streams, *motion, *circuit, clamps, recorded_rows, *work, *results
-        )
+        last, work = min(first + BLOCKS_PER_TASK * LANES, n_trials), new_workspace(dtype)
+        run_trials_kernel(first, last, heading, velocity, streams, circuit, motion, clamps, work, results)
         return last - first
 
     tasks = range(0, n_trials, BLOCKS_PER_TASK * LANES)

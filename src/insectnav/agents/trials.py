@@ -40,37 +40,31 @@ def run_trials(
 
     Parameters
     ----------
-    routes : Dataset or (heading (trial, step), velocity (trial, step, 2))
-        Headings [rad], clockwise from +y, and velocities [steps per time step], as from `random_routes`. The trial
-        coordinate of a Dataset says which noise a trial gets, so that any part of it runs as it does in the whole.
-    circuit : CircuitParams
-    motion : MotionParams
-        Of the way home.
+    routes : Dataset as from `random_routes`, or (heading (trial, step) [rad], velocity (trial, step, 2))
+        Its trial coordinate says which noise a trial gets: any part of it runs as it does in the whole.
+    circuit, motion : CircuitParams, MotionParams
     n_inbound : int
         Steps of the way home.
     noise : float, or dict of population name to float
         Standard deviation σ_r of the noise on each firing rate.
     seed : int
     record : collection of population names
-        Adds the activity (trial, step, …) of "tl", "cl1", "tb1", "tn1", "tn2", "memory", "cpu4", "pontine", "cpu1"
-        or "motor" (the turn [rad]). Memory then grows with trials × steps × cells.
+        Adds their activity (trial, step, …); "motor" is the turn [rad]. Takes memory for every step and cell.
     dtype : {"float32", "float64"}
         float64 follows the published recursion to rounding, float32 is several times faster.
     perturbations : sequence of ClampCells
-        Cells that are held at a rate for part of the trial.
     workers : int, optional
-        Threads; all cores of the machine by default. The result does not depend on it.
+        Threads, by default one for each core. The result does not depend on it.
     progress : callable, optional
-        Called with the number of trials just finished, from this thread.
+        Called with the number of trials just finished.
 
     Returns
     -------
     Dataset
         heading (trial, step) [rad] and position (trial, step, xy) [steps] from the nest at 0, 0: the outbound samples,
-        of which the last is the turning point, then each inbound one after its turn and move; coordinate leg (step),
-        "out" or "home". memory_at_turn (trial, cell); home_vector_at_turn (trial, xy) [steps], from the agent to the
-        nest as the circuit decodes it; closest_distance (trial) [steps] to the nest on the way home, the turning point
-        included.
+        the last of which is the turning point, then each inbound one after its turn and move; leg (step), "out" or
+        "home". memory_at_turn (trial, cell); home_vector_at_turn (trial, xy) [steps], agent to nest as decoded;
+        closest_distance (trial) [steps] to the nest on the way home, the turning point included.
 
     Raises
     ------
@@ -79,20 +73,13 @@ def run_trials(
 
     Notes
     -----
-    Stone et al. 2017, Methods, doi 10.1016/j.cub.2017.08.052. On the way home the cells see the present heading and
-    velocity, then the agent turns and moves; the first inbound step therefore sees the turning point again.
+    Stone et al. 2017, Methods, doi 10.1016/j.cub.2017.08.052. The first inbound step sees the turning point again.
     """
     heading, velocity, trials = _route_arrays(routes)
     params = TrialParams(
-        circuit=circuit,
-        motion=motion,
-        n_inbound=n_inbound,
-        noise=noise,
-        seed=seed,
-        record=record,
-        dtype=dtype,
-        perturbations=perturbations,
-    )
+        circuit=circuit, motion=motion, n_inbound=n_inbound, noise=noise, seed=seed,
+        record=record, dtype=dtype, perturbations=perturbations,
+    )  # fmt: skip
     arrays = simulate_trials(heading, velocity, trials, params, workers=workers, progress=progress)
     return _dataset(arrays, params, np.asarray(trials))
 

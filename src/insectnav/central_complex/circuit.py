@@ -2,17 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from insectnav.central_complex.layers import N_NOISY, N_ROWS, POPULATIONS, rows
-from insectnav.central_complex.packing import Constants, Wiring, pack_constants, pack_noise, pack_wiring
+from insectnav.central_complex.layers import N_ROWS, POPULATIONS, rows
+from insectnav.central_complex.packing import new_workspace, pack_circuit
 from insectnav.central_complex.parameters import CircuitParams
 from insectnav.checks import InputError, check_choice, check_finite, check_shape
-from insectnav.lanes import empty_rows
 from insectnav.rng import trial_streams
 
 Reals = NDArray[np.floating[Any]]
@@ -148,28 +146,23 @@ def step(
     batch = np.shape(senses.heading)
     heading = np.ascontiguousarray(senses.heading, dtype).reshape(-1)
     _check_batch(state, senses, batch)
-    noise_key = tuple(sorted(noise.items())) if isinstance(noise, Mapping) else noise
-    wiring, constants, packed_noise = _packed(params, noise_key, dtype.name)
-    if constants.is_noisy and state.stream is None:
+    circuit = pack_circuit(params, noise, dtype)
+    if circuit.constants.is_noisy and state.stream is None:
         raise InputError("noise needs random numbers, but the state has none: give initial_state a seed")
-    stream = np.zeros((heading.size, 4), np.uint32) if state.stream is None else np.array(state.stream).reshape(-1, 4)
+    streams = np.zeros((heading.size, 4), np.uint32) if state.stream is None else np.array(state.stream).reshape(-1, 4)
     activity = np.empty((heading.size, N_ROWS), dtype)
     step_circuits(
         heading,
         np.ascontiguousarray(senses.velocity, dtype).reshape(-1, 2),
         np.ascontiguousarray(state.tb1, dtype).reshape(-1, 8),
         np.ascontiguousarray(state.memory).reshape(-1, 16),
-        stream,
+        streams,
         activity,
-        empty_rows(N_ROWS + 8 + 3, dtype),
-        empty_rows(4, np.uint32),
-        tuple(wiring),
-        constants,
-        packed_noise,
-        np.full(N_NOISY, -1.0, dtype),
+        circuit,
+        new_workspace(dtype),
     )
     rates = split_activity(activity.reshape(*batch, N_ROWS))
-    stream_after = None if state.stream is None else stream.reshape(*batch, 4)
+    stream_after = None if state.stream is None else streams.reshape(*batch, 4)
     return CircuitState(tb1=rates.tb1, memory=rates.memory, stream=stream_after), rates
 
 
@@ -188,9 +181,3 @@ def _check_batch(state: CircuitState, senses: Senses, batch: tuple[int, ...]) ->
         check_shape("state stream", state.stream, (*batch, 4))
     check_finite("heading", senses.heading)
     check_finite("velocity", senses.velocity)
-
-
-@lru_cache(maxsize=64)
-def _packed(params: CircuitParams, noise_key: Any, dtype: str) -> tuple[Wiring, Constants, Reals]:
-    noise = pack_noise(dict(noise_key) if isinstance(noise_key, tuple) else noise_key, dtype)
-    return pack_wiring(params, dtype), pack_constants(params, noise), noise

@@ -4,11 +4,11 @@ Read it as the equations of one bee; every variable holds 16 of them (`insectnav
 """
 
 from insectnav.central_complex.layers import N_NOISY, ROW
-from insectnav.central_complex.packing import FIRST_TARGET
+from insectnav.central_complex.packing import FIRST_TARGET, PackedCircuit, Wiring, Workspace
 from insectnav.lanes.compiled import lane_function
 from insectnav.lanes.functions import clip_to_unit, sigmoid_base_2, sin_cos
 from insectnav.lanes.random import next_words, normal_pair
-from insectnav.lanes.vector import fill, fma, load, store
+from insectnav.lanes.vector import address, fill, fma, load, store
 
 TL, CL1, TB1, TN1, TN2 = ROW["tl"], ROW["cl1"], ROW["tb1"], ROW["tn1"], ROW["tn2"]
 MEMORY, CPU4, PONTINE, CPU1, MOTOR = ROW["memory"], ROW["cpu4"], ROW["pontine"], ROW["cpu1"], ROW["motor"]
@@ -24,31 +24,47 @@ SUBTRACT, GATE = range(2)  # as in parameters.STEERING_RULES
 
 
 @lane_function
-def advance_circuit(activity, stream, lateral, heading, velocity_x, velocity_y, wiring, constants, noise, held):
+def locate_circuit(circuit):
+    """A packed circuit with addresses in place of its arrays."""
+    wiring = circuit.wiring
+    wiring_at = Wiring(
+        address(wiring.first),
+        address(wiring.row),
+        address(wiring.weight),
+        address(wiring.preferred_cosine),
+        address(wiring.preferred_sine),
+    )
+    return PackedCircuit(wiring_at, circuit.constants, address(circuit.noise))
+
+
+@lane_function
+def locate_workspace(work):
+    """A work space with addresses in place of its arrays."""
+    return Workspace(
+        address(work.rows), address(work.lateral), address(work.sample), address(work.stream), address(work.held)
+    )
+
+
+@lane_function
+def advance_circuit(circuit, work, heading, velocity_x, velocity_y):
     """Update all activities by one time step and return the turn [rad], positive to the right.
 
     Parameters
     ----------
-    activity : (N_ROWS, LANES) array
-        Rates, memory and turn, rows as in `layers.ROW`; TB1 and memory of the step before are read, all are replaced.
-    stream : (4, LANES) array of uint32
-        Random number generators, advanced in place.
-    lateral : (8, LANES) array
-        Work space.
+    circuit : PackedCircuit of addresses
+    work : Workspace of addresses
+        TB1 and memory of the step before are read from its rows; all rows are replaced, and its streams move on.
     heading, velocity_x, velocity_y : lanes
         Heading in −π … π [rad] and velocity [steps per time step].
-    wiring, constants, noise
-        As packed by `insectnav.central_complex.packing`.
-    held : (N_NOISY,) array
-        Rates that cells are held at, whatever their input; negative for free cells.
 
     Notes
     -----
     Stone et al. 2017, Methods, in the order of the layers; doi 10.1016/j.cub.2017.08.052.
     """
+    wiring, constants, activity, held = circuit.wiring, circuit.constants, work.rows, work.held
     for cell in range(8):  # inhibition by the TB1 rates of the step before, which are about to be replaced
-        store(lateral, cell, synaptic_input(activity, wiring, TB1_TO_TB1 + cell, 0))
-    put_noise(activity, stream, constants, noise)
+        store(work.lateral, cell, synaptic_input(activity, wiring, TB1_TO_TB1 + cell, 0))
+    put_noise(activity, work.stream, constants, circuit.noise)
 
     sine, cosine = sin_cos(heading)
     for cell in range(8):
@@ -62,7 +78,7 @@ def advance_circuit(activity, stream, lateral, heading, velocity_x, velocity_y, 
         drive = drive if constants.is_sigmoid else 1.0 + drive
         set_rate(activity, held, CL1 + cell, respond(drive, constants.cl1_slope, constants.cl1_bias, constants))
     for cell in range(8):
-        drive = synaptic_input(activity, wiring, CL1_TO_TB1 + cell, 0) - load(lateral, cell)
+        drive = synaptic_input(activity, wiring, CL1_TO_TB1 + cell, 0) - load(work.lateral, cell)
         set_rate(activity, held, TB1 + cell, respond(drive, constants.tb1_slope, constants.tb1_bias, constants))
 
     sense_flow(activity, held, sine, cosine, velocity_x, velocity_y, constants)

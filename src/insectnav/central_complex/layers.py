@@ -23,6 +23,7 @@ for _name, _n_cells in N_CELLS.items():
     _next_row += _n_cells
 N_ROWS = _next_row
 N_NOISY = N_ROWS - N_CELLS["memory"] - N_CELLS["motor"]  # the first rows: cells with a firing rate
+POPULATIONS_WITH_RATE = tuple(name for name in N_CELLS if ROW[name] < N_NOISY)
 
 
 def rows(population: str) -> slice:

@@ -1,16 +1,17 @@
 """Circuit constants and wiring in the form that compiled kernels read."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insectnav.central_complex.connectivity import DIRECTIONS, PROJECTIONS
-from insectnav.central_complex.layers import N_CELLS, N_NOISY, ROW, rows
+from insectnav.central_complex.layers import N_CELLS, N_NOISY, N_ROWS, POPULATIONS_WITH_RATE, ROW, rows
 from insectnav.central_complex.parameters import MEMORY_RULES, STEERING_RULES, CircuitParams
 from insectnav.checks import check_choice, check_range
-from insectnav.lanes import LANES
+from insectnav.lanes import LANES, empty_rows
 
 
 class Constants(NamedTuple):
@@ -101,14 +102,57 @@ def pack_constants(params: CircuitParams, noise: NDArray[np.floating]) -> Consta
 
 def pack_noise(noise: float | Mapping[str, float], dtype: DTypeLike) -> NDArray[np.floating]:
     """Standard deviation of the noise of each cell, (N_NOISY,), from one number or one for each named population."""
-    levels = noise if isinstance(noise, Mapping) else dict.fromkeys(_noisy_populations(), noise)
+    levels = noise if isinstance(noise, Mapping) else dict.fromkeys(POPULATIONS_WITH_RATE, noise)
     packed = np.zeros(N_NOISY, dtype)
     for population, sigma in levels.items():
-        check_choice("population with noise", population, _noisy_populations())
+        check_choice("population with noise", population, POPULATIONS_WITH_RATE)
         check_range(f"noise of {population}" if isinstance(noise, Mapping) else "noise", sigma, 0.0, 10.0)
         packed[rows(population)] = sigma
     return packed
 
 
-def _noisy_populations() -> tuple[str, ...]:
-    return tuple(name for name in N_CELLS if ROW[name] < N_NOISY)
+class PackedCircuit(NamedTuple):
+    """All that a kernel needs to know of a circuit."""
+
+    wiring: Wiring
+    constants: Constants
+    noise: NDArray[np.floating]  # (N_NOISY,) standard deviations
+
+
+def pack_circuit(params: CircuitParams, noise: float | Mapping[str, float], dtype: DTypeLike) -> PackedCircuit:
+    """Circuit with the given noise, packed once and remembered.
+
+    Raises
+    ------
+    InputError
+        If a noise is negative, or given for a population that does not exist.
+    """
+    key = tuple(sorted(noise.items())) if isinstance(noise, Mapping) else noise
+    return _packed(params, key, np.dtype(dtype).name)
+
+
+@lru_cache(maxsize=64)
+def _packed(params: CircuitParams, noise: float | tuple, dtype: str) -> PackedCircuit:
+    levels = pack_noise(dict(noise) if isinstance(noise, tuple) else noise, dtype)
+    return PackedCircuit(pack_wiring(params, dtype), pack_constants(params, levels), levels)
+
+
+class Workspace(NamedTuple):
+    """Arrays in which a kernel works on 16 circuits; no two threads may share one."""
+
+    rows: NDArray[np.floating]  # (N_ROWS, LANES) activities, rows as in `layers.ROW`
+    lateral: NDArray[np.floating]  # (8, LANES)
+    sample: NDArray[np.floating]  # (3, LANES)
+    stream: NDArray[np.uint32]  # (4, LANES) random number generators
+    held: NDArray[np.floating]  # (N_NOISY,) rates that cells are held at; negative for free cells
+
+
+def new_workspace(dtype: DTypeLike) -> Workspace:
+    """Work space with all cells free."""
+    return Workspace(
+        rows=empty_rows(N_ROWS, dtype),
+        lateral=empty_rows(8, dtype),
+        sample=empty_rows(3, dtype),
+        stream=empty_rows(4, np.uint32),
+        held=np.full(N_NOISY, -1.0, dtype),
+    )

@@ -46,7 +46,6 @@ class HomeParams:
     n_trials: int = 100
     n_inbound: int | None = None  # default: see `homing_steps`
     seed: int = 0
-    steps_per_unit: float | None = None  # default: see `insectnav.agents.route_from_track`
 
     def __post_init__(self) -> None:
         check_choice("preset", self.preset, PRESETS)
