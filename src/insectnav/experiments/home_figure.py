@@ -110,7 +110,7 @@ def _draw_activity(figure: Figure, data: Mapping[str, Any]) -> None:
         )
         panel.axvline(n_outbound * time_per_step, color=COLOURS["orange"], linewidth=1.0)
         panel.set_ylabel(label, rotation=0, ha="right", va="center")
-        panel.yaxis.set_label_coords(-0.055, 0.5)
+        panel.yaxis.set_label_coords(-0.07, 0.5)
         panel.set_yticks([1, len(rates)])
         if row == 0:
             panel.set_title("activity in the first trial", loc="left", pad=10.0)
