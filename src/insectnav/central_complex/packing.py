@@ -10,8 +10,8 @@ from numpy.typing import DTypeLike, NDArray
 from insectnav.central_complex.connectivity import DIRECTIONS, PROJECTIONS
 from insectnav.central_complex.layers import N_CELLS, N_NOISY, N_ROWS, POPULATIONS_WITH_RATE, ROW, rows
 from insectnav.central_complex.parameters import MEMORY_RULES, STEERING_RULES, CircuitParams
-from insectnav.checks import check_choice, check_range
-from insectnav.lanes import LANES, empty_rows
+from insectnav.checks import check_choice, check_range, check_shape
+from insectnav.lanes import empty_rows
 
 
 class Constants(NamedTuple):
@@ -75,13 +75,14 @@ def pack_wiring(params: CircuitParams, dtype: DTypeLike) -> Wiring:
     for projection, (_, source) in PROJECTIONS.items():
         matrix = _strength(params, projection) * getattr(params.connectivity, projection)
         for synapses in matrix:
-            senders = (
-                np.flatnonzero(synapses) if synapses.any() else np.array([0])
-            )  # a silent synapse where there is none
+            senders = np.flatnonzero(synapses)
+            if senders.size == 0:
+                senders = np.zeros(1, int)  # the kernel wants at least one: a silent one
             row.extend(ROW[source] + senders)
             weight.extend(synapses[senders])
             first.append(len(row))
-    lanes = np.ascontiguousarray(np.repeat(np.array(weight, dtype)[:, None], LANES, axis=1))
+    lanes = empty_rows(len(weight), dtype)
+    lanes[:] = np.array(weight)[:, None]
     cosine, sine = np.cos(DIRECTIONS).astype(dtype), np.sin(DIRECTIONS).astype(dtype)
     return Wiring(np.array(first), np.array(row, np.int64), lanes, cosine, sine)
 
@@ -127,8 +128,10 @@ def pack_circuit(params: CircuitParams, noise: float | Mapping[str, float], dtyp
     InputError
         If a noise is negative, or given for a population that does not exist.
     """
-    key = tuple(sorted(noise.items())) if isinstance(noise, Mapping) else noise
-    return _packed(params, key, np.dtype(dtype).name)
+    if isinstance(noise, Mapping):
+        return _packed(params, tuple(sorted(noise.items())), np.dtype(dtype).name)
+    check_shape("noise", np.asarray(noise), ())
+    return _packed(params, noise, np.dtype(dtype).name)
 
 
 @lru_cache(maxsize=64)

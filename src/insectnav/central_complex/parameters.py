@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from insectnav.central_complex.connectivity import STANDARD_WIRING, Connectivity
-from insectnav.checks import check_choice, check_range
+from insectnav.checks import check_choice, check_finite, check_range
 
 MEMORY_RULES = ("inhibited-flow", "flow-times-heading", "backward-flow")
 STEERING_RULES = ("subtract", "gate")
@@ -67,6 +67,9 @@ class CircuitParams:
     def __post_init__(self) -> None:
         check_choice("memory_rule", self.memory_rule, MEMORY_RULES)
         check_choice("steering_rule", self.steering_rule, STEERING_RULES)
+        for name, value in vars(self).items():
+            if isinstance(value, float):
+                check_finite(name, value)
         check_range("memory_gain", self.memory_gain, 1e-9, 1.0, "per step")
         check_range("memory_start", self.memory_start, 0.0, 1.0)
         check_range("tn_preference", self.tn_preference, -2.0 * np.pi, 2.0 * np.pi, "rad")
