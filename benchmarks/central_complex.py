@@ -10,8 +10,8 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-import oracle
 
+import oracle
 from insectnav.agents import random_routes, run_trials
 
 N_TRIALS, N_STEPS, NOISE, N_RUNS = 1000, 1500, 0.1, 7

@@ -315,7 +315,9 @@ def decode(memory: Array, params: OracleParams) -> tuple[float, float]:
     """
     total = np.roll(memory[:8], 1) + np.roll(memory[8:], -1)
     first = np.fft.fft(total)[1]
-    per_step = 1 if params.variant in ("fully-holonomic", "idealised") else 2
+    per_step = (
+        2 if params.variant in ("partially-holonomic", "non-holonomic") else 1
+    )  # products: exact for linear cells
     return wrap(-np.angle(first)), float(np.abs(first) / (per_step * params.gain))
 
 

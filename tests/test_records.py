@@ -67,7 +67,7 @@ def test_arrays_are_copies_that_cannot_be_written():
         ({"heading": [0.0, np.nan, 1.0]}, "heading is nan at index 1"),
         ({"length_unit": "km"}, "length_unit 'km' is unknown: expected one of m, cm, mm, unit"),
         ({"time_unit": "ms"}, "time_unit 'ms' is unknown: expected one of s, frame"),
-        ({"n_interpolated": -1}, "n_interpolated is '-1', expected a whole number of at least 0"),
+        ({"n_interpolated": -1}, "n_interpolated is -1, expected a whole number of at least 0"),
     ],
 )
 def test_what_is_no_track_is_refused(changes, words):

@@ -54,6 +54,16 @@ def check_count(name: str, value: object, minimum: int = 1) -> None:
     raise InputError(f"{name} is {shown}, expected a whole number of at least {minimum}")
 
 
+def check_precision(name: str, dtype: npt.DTypeLike) -> np.dtype[Any]:
+    """Single or double precision, as a dtype; refuses any other."""
+    try:
+        spelling = np.dtype(dtype).name
+    except TypeError:
+        spelling = str(dtype)
+    check_choice(name, spelling, ("float32", "float64"))
+    return np.dtype(spelling)
+
+
 def check_finite(name: str, values: npt.ArrayLike) -> None:
     """Refuse NaN and infinity; names the first."""
     array = as_numbers(name, values)

@@ -92,12 +92,12 @@ def home(
 def _in_words(result: dict[str, Any], folder: Path) -> str:
     """What a person wants to know of a way home."""
     scale, measures = result["scale"], result["results"]
-    unit = scale["length_unit"]
+    unit = {"step": "steps", "unit": "units"}.get(scale["length_unit"], scale["length_unit"])
     closest, error = measures["closest_distance"], measures["decoded_bearing_error_absolute"]
     found, straightness = measures["came_within_search_radius"], measures["straightness"]
     lines = [
-        f"{result['name']}: {scale['outbound_steps']} steps out, {scale['homing_steps']} home, "
-        f"{scale['steps_per_length_unit']:.4g} steps per {unit}; heading: {result['heading']}",
+        f"{result['name']}: {scale['outbound_steps']} steps out, {scale['homing_steps']} home; "
+        f"{scale['steps_per_length_unit']:.4g} steps per {scale['length_unit']}; heading: {result['heading']}",
         f"turning point         {measures['distance_of_turning_point']['mean']:.4g} {unit} from the nest",
         f"closest distance      mean {closest['mean']:.3g}, median {closest['median']:.3g}, SD {closest['sd']:.3g}, "
         f"90th percentile {closest['p90']:.3g} {unit} (n = {closest['n']})",

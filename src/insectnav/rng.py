@@ -5,7 +5,9 @@ import hashlib
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insectnav.checks import check_count
+from insectnav.checks import InputError, check_count, check_range
+
+MAX_SPAN = 100_000_000  # trials; 32 bytes each
 
 
 def trial_streams(seed: int, trials: ArrayLike, purpose: str) -> NDArray[np.uint32]:
@@ -35,8 +37,11 @@ def trial_streams(seed: int, trials: ArrayLike, purpose: str) -> NDArray[np.uint
     trials = np.asarray(trials)
     if trials.size == 0:
         return np.empty((0, 4), np.uint32)
+    if trials.dtype.kind not in "iu":
+        raise InputError(f"trial numbers are {trials.dtype.name} values, expected whole numbers")
     lowest, highest = int(trials.min()), int(trials.max())
     check_count("trial number", lowest, minimum=0)
+    check_range("highest minus lowest trial number", highest - lowest, 0, MAX_SPAN)
     purpose_key = int.from_bytes(hashlib.sha256(purpose.encode()).digest()[:8], "little")
     generator = np.random.Philox(np.random.SeedSequence([int(seed), purpose_key]))
     generator.advance(lowest)

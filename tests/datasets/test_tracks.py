@@ -166,7 +166,7 @@ def test_what_is_no_track_is_refused_in_one_sentence(content, words):
         ),
         ({"max_gap_s": -1}, "max_gap_s is -1, expected at least 0 s"),
         ({"max_gap_s": np.nan}, "max_gap_s is nan"),
-        ({"max_gap_samples": 1.5}, "max_gap_samples is '1.5', expected a whole number of at least 0"),
+        ({"max_gap_samples": 1.5}, "max_gap_samples is 1.5, expected a whole number of at least 0"),
     ],
 )
 def test_bad_options_are_refused(tmp_path, options, words):

@@ -18,6 +18,7 @@ from insectnav.lanes.vector import address, load, store
 PRECISIONS = ("float32", "float64")
 FUNCTIONS = ("exp2", "log", "sine", "cosine", "sigmoid", "clip", "wrapped")
 ERROR = {"float32": 3e-7, "float64": 1e-15}  # absolute where the function is of order 1, otherwise relative
+COSINE_ERROR = {"float32": 6e-7, "float64": 1.2e-15}  # 1 - 2 sin² of the half angle: the worst of all, close to ±π
 N_DENSE = 20_000
 TWO_PI = 8 * np.arctan(np.longdouble(1))
 
@@ -64,13 +65,10 @@ def absolute_error(found: np.ndarray, exact: np.ndarray) -> float:
     return float(np.max(np.abs(found - exact)))
 
 
-def exact_log_error(x: np.ndarray) -> float:
-    return relative_error_or_zero(values_of("log", x), np.log(x.astype(np.longdouble)))
-
-
-def relative_error_or_zero(found: np.ndarray, exact: np.ndarray) -> float:
-    """Relative error; where the exact value is 0, anything but 0 counts in full."""
-    return float(np.max(np.abs(found - exact) / np.where(exact == 0, 1, np.abs(exact))))
+def log_error(x: np.ndarray) -> float:
+    """Relative error of the logarithm; where that is 0, of the absolute one."""
+    exact = np.log(x.astype(np.longdouble))
+    return relative_error(values_of("log", x) + (exact == 0), exact + (exact == 0))
 
 
 def circle_error(found: np.ndarray, angle: np.ndarray) -> np.ndarray:
@@ -101,7 +99,7 @@ def test_exp2_of_whole_numbers_is_a_power_of_two(precision: str) -> None:
 @pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize(("low", "high"), [(0.5, 2), (1e-3, 1e3)])
 def test_log_is_right_to_a_few_last_places(precision: str, low: float, high: float) -> None:
-    assert exact_log_error(dense(low, high, precision)) < ERROR[precision]
+    assert log_error(dense(low, high, precision)) < ERROR[precision]
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
@@ -110,8 +108,8 @@ def test_log_keeps_its_relative_error_near_one_and_far_away(precision: str) -> N
     steps = np.arange(-200, 201) * np.finfo(precision).eps
     near_one = (1 + steps).astype(precision)
     far = np.geomspace(smallest, 1 / (4 * smallest), N_DENSE).astype(precision)
-    assert exact_log_error(near_one) < ERROR[precision]
-    assert exact_log_error(far) < ERROR[precision]
+    assert log_error(near_one) < ERROR[precision]
+    assert log_error(far) < ERROR[precision]
     assert values_of("log", np.ones(LANES, precision)).tolist() == [0] * LANES
 
 
@@ -120,7 +118,7 @@ def test_sine_and_cosine_are_right_over_the_circle(precision: str) -> None:
     x = dense(-np.pi, np.pi, precision)
     exact = x.astype(np.longdouble)
     assert absolute_error(values_of("sine", x), np.sin(exact)) < ERROR[precision]
-    assert absolute_error(values_of("cosine", x), np.cos(exact)) < ERROR[precision]
+    assert absolute_error(values_of("cosine", x), np.cos(exact)) < COSINE_ERROR[precision]
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
@@ -135,7 +133,7 @@ def test_sine_is_odd_and_cosine_even_to_the_last_bit(precision: str) -> None:
 def test_sigmoid_is_right_to_a_few_last_places(precision: str) -> None:
     x = dense(-100, 100, precision)
     exact = 1 / (1 + np.exp2(-x.astype(np.longdouble)))
-    assert relative_error(values_of("sigmoid", x), exact) < 1.5 * ERROR[precision]
+    assert relative_error(values_of("sigmoid", x), exact) < ERROR[precision]
     assert absolute_error(values_of("sigmoid", x), exact) < ERROR[precision]
 
 
@@ -189,10 +187,10 @@ def test_no_drawn_number_is_worse_than_the_dense_ones(precision: str, data: st.D
     exact = x.astype(np.longdouble)
     assert relative_error(values_of("exp2", x), np.exp2(exact)) < bound
     assert absolute_error(values_of("sigmoid", x), 1 / (1 + np.exp2(-exact))) < bound
-    assert exact_log_error(data.draw(vectors(np.finfo(precision).tiny, np.finfo(precision).max, precision))) < bound
+    assert log_error(data.draw(vectors(np.finfo(precision).tiny, np.finfo(precision).max, precision))) < bound
     angle = data.draw(vectors(-3.1415925, 3.1415925, precision))
     assert absolute_error(values_of("sine", angle), np.sin(angle.astype(np.longdouble))) < bound
-    assert absolute_error(values_of("cosine", angle), np.cos(angle.astype(np.longdouble))) < bound
+    assert absolute_error(values_of("cosine", angle), np.cos(angle.astype(np.longdouble))) < COSINE_ERROR[precision]
     far = data.draw(vectors(-100, 100, precision))
     assert np.all(circle_error(values_of("wrapped", far), far) < bound * (1 + np.abs(far) / 6))
 

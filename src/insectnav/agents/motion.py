@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insectnav.angles import unit_vector, wrap
-from insectnav.checks import check_range
+from insectnav.checks import check_range, check_shape
 
 Reals = NDArray[np.floating[Any]]
 
@@ -46,9 +46,16 @@ def move(heading: ArrayLike, velocity: ArrayLike, turn: ArrayLike, params: Motio
         Positive to the right.
     params : MotionParams
 
+    Raises
+    ------
+    InputError
+        If shapes do not agree.
+
     Notes
     -----
     θ' = θ + turn; v' = (1 − F_D) · (v + a · (sin θ', cos θ')). Stone et al. 2017, Methods.
     """
     heading = wrap(np.asarray(heading) + np.asarray(turn))
-    return heading, (1.0 - params.drag) * (np.asarray(velocity) + params.acceleration * unit_vector(heading))
+    velocity = np.asarray(velocity)
+    check_shape("velocity", velocity, (*np.shape(heading), 2))
+    return heading, (1.0 - params.drag) * (velocity + params.acceleration * unit_vector(heading))

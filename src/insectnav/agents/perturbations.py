@@ -19,7 +19,7 @@ class ClampCells:
     ----------
     population : str
         "tl", "cl1", "tb1", "tn1", "tn2", "cpu4", "pontine" or "cpu1".
-    cells : tuple of int, optional
+    cells : sequence of int, optional
         Indices within the population; all of them by default.
     rate : float
         From 0 to 1.
@@ -37,7 +37,7 @@ class ClampCells:
     """
 
     population: str
-    cells: tuple[int, ...] | None = None
+    cells: Sequence[int] | None = None
     rate: float
     first_step: int = 0
     end_step: int | None = None
@@ -48,7 +48,14 @@ class ClampCells:
         check_count("first_step", self.first_step, minimum=0)
         if self.end_step is not None:
             check_count("end_step", self.end_step, minimum=self.first_step)
+        if self.cells is not None:
+            if not isinstance(self.cells, Sequence | range) or isinstance(self.cells, str):
+                raise InputError(
+                    f"cells of {self.population} are {self.cells!r}, expected some as in (3, 4)"
+                )
+            object.__setattr__(self, "cells", tuple(self.cells))
         for cell in self.cells or ():
+            check_count(f"cell of {self.population}", cell, minimum=0)
             check_range(f"cell of {self.population}", cell, 0, N_CELLS[self.population] - 1)
 
 
@@ -63,6 +70,8 @@ class Clamps(NamedTuple):
 
 def pack_clamps(perturbations: Sequence[ClampCells], dtype: DTypeLike) -> Clamps:
     """One entry for each clamped cell."""
+    if not isinstance(perturbations, Sequence):
+        raise InputError(f"perturbations are a {type(perturbations).__name__}, expected a list of ClampCells")
     first_step, end_step, row, rate = [], [], [], []
     for clamp in perturbations:
         if not isinstance(clamp, ClampCells):

@@ -78,17 +78,21 @@ def route_from_track(
     InputError
         If the animal stands still in more than 95 % of the samples, or the steps would be too many or too few.
     """
+    if track.n_samples < 2:
+        raise InputError(f"track {track.name!r} has a single sample, expected at least 2")
     interval = float(np.median(np.diff(track.time)))
-    top_speed = _top_speed(track, _even_times(track, interval)) / interval
+    slips = "is one position far off?", "is one time far off?"
+    top_speed = _top_speed(track, _even_times(track, interval, *slips)) / interval
     notes = []
     if steps_per_unit is None:
-        times = _even_times(track, _fitting_time_step(track, interval, top_speed))
+        times = _even_times(track, _fitting_time_step(track, interval, top_speed), *slips)
         steps_per_unit = HIGH_SPEED / _top_speed(track, times)
         if (stretch := float(times[1] - times[0]) / interval) > 1.1:
             notes.append(f"a time step is {stretch:.3g} samples long, so that the memory can hold the track")
     else:
         check_range("steps_per_unit", steps_per_unit, 1e-12, 1e12, f"steps per {track.length_unit}")
-        times = _even_times(track, HIGH_SPEED / steps_per_unit / top_speed)
+        slips = "raise --steps-per-unit", "lower --steps-per-unit"
+        times = _even_times(track, HIGH_SPEED / steps_per_unit / top_speed, *slips)
     position = _position_at(track, times)
     velocity = np.diff(position, axis=0, prepend=position[:1]) * steps_per_unit
     if track.heading is not None:
@@ -117,15 +121,13 @@ def _fitting_time_step(track: Track, interval: float, top_speed: float) -> float
     return max(interval, farthest / FARTHEST * HIGH_SPEED / top_speed, track.duration / LONGEST)
 
 
-def _even_times(track: Track, interval: float) -> Reals:
+def _even_times(track: Track, interval: float, too_few: str, too_many: str) -> Reals:
     """Times about ``interval`` apart from the first sample to the last, both included."""
     n_intervals = round(min(track.duration / interval, 10.0 * MAX_STEPS))
     if n_intervals < 1:
-        raise InputError(f"track {track.name!r} would become a single step, expected more: raise --steps-per-unit")
+        raise InputError(f"track {track.name!r} would become a single step, expected more: {too_few}")
     if n_intervals > MAX_STEPS:
-        raise InputError(
-            f"track {track.name!r} would become more than {MAX_STEPS} steps, expected fewer: lower --steps-per-unit"
-        )
+        raise InputError(f"track {track.name!r} would become more than {MAX_STEPS} steps, expected fewer: {too_many}")
     return np.linspace(track.time[0], track.time[-1], n_intervals + 1)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insectnav.agents.turns import von_mises_series
-from insectnav.checks import check_choice, check_count, check_range
+from insectnav.checks import check_count, check_precision, check_range
 from insectnav.lanes import empty_rows
 from insectnav.rng import trial_streams
 
@@ -98,7 +98,7 @@ def route_arrays(
 
     check_count("n_trials", n_trials)
     check_count("n_steps", n_steps)
-    check_choice("dtype", np.dtype(dtype).name, ("float64", "float32"))
+    dtype = check_precision("dtype", dtype)
     n_knots = max(4, n_steps // params.steps_per_knot if n_steps > 200 else 4)  # fewer do not make a cubic
     heading = np.empty((n_trials, n_steps), dtype)
     velocity = np.empty((n_trials, n_steps, 2), dtype)

@@ -14,7 +14,16 @@ from insectnav.agents.perturbations import ClampCells, pack_clamps
 from insectnav.central_complex import POPULATIONS, CircuitParams
 from insectnav.central_complex.layers import N_ROWS, rows
 from insectnav.central_complex.packing import new_workspace, pack_circuit
-from insectnav.checks import InputError, check_choice, check_count, check_finite, check_shape
+from insectnav.checks import (
+    InputError,
+    as_numbers,
+    check_choice,
+    check_count,
+    check_finite,
+    check_precision,
+    check_radians,
+    check_shape,
+)
 from insectnav.lanes import LANES
 from insectnav.rng import trial_streams
 
@@ -43,7 +52,7 @@ class TrialParams:
 
     def __post_init__(self) -> None:
         check_count("n_inbound", self.n_inbound, minimum=0)
-        check_choice("dtype", np.dtype(self.dtype).name, ("float32", "float64"))
+        check_precision("dtype", self.dtype)
         for population in self.record:
             check_choice("population to record", population, POPULATIONS)
 
@@ -96,11 +105,13 @@ def simulate_trials(
     Raises
     ------
     InputError
-        If shapes do not agree, or a route is empty or not finite.
+        If shapes do not agree, or a route is empty, not finite or not in radians.
     """
     from insectnav.agents.trial_kernel import run_trials_kernel
 
-    heading, velocity = _check_routes(np.asarray(heading), np.asarray(velocity), params.dtype)
+    heading, velocity = _check_routes(
+        as_numbers("route heading", heading), as_numbers("route velocity", velocity), params.dtype
+    )
     (n_trials, n_outbound), dtype = heading.shape, heading.dtype
     recorded_rows = np.array([row for name in params.recorded for row in range(N_ROWS)[rows(name)]], np.int64)
     n_steps = n_outbound + params.n_inbound
@@ -136,8 +147,9 @@ def _check_routes(heading: Reals, velocity: Reals, dtype: DTypeLike) -> tuple[Re
     if heading.size == 0:
         raise InputError(f"routes are empty ({heading.shape[0]} trials of {heading.shape[1]} steps), expected some")
     check_finite("route heading", heading)
+    check_radians("route heading", heading)
     check_finite("route velocity", velocity)
-    return np.ascontiguousarray(heading, dtype), np.ascontiguousarray(velocity, dtype)
+    return np.require(heading, dtype, ["C", "W"]), np.require(velocity, dtype, ["C", "W"])
 
 
 def _count_workers(workers: int | None) -> int:

@@ -85,12 +85,15 @@ def run_trials(
 
 
 def _route_arrays(routes: xarray.Dataset | tuple[ArrayLike, ArrayLike]) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
-    if not isinstance(routes, tuple):
-        heading = routes["heading"].transpose("trial", "step").values
-        return heading, routes["velocity"].transpose("trial", "step", "xy").values, routes["trial"].values
-    if len(routes) != 2:
-        raise InputError(f"routes have {len(routes)} parts, expected a Dataset or (heading, velocity)")
-    return *routes, np.arange(np.shape(routes[0])[0] if np.ndim(routes[0]) else 1)
+    if isinstance(routes, tuple | list):
+        if len(routes) != 2:
+            raise InputError(f"routes have {len(routes)} parts, expected a Dataset or (heading, velocity)")
+        return *routes, np.arange(np.shape(routes[0])[0] if np.ndim(routes[0]) else 1)
+    missing = [name for name in ("heading", "velocity", "trial") if name not in routes]
+    if missing:
+        raise InputError(f"routes have no {' and no '.join(missing)}, expected a Dataset as from random_routes")
+    heading = routes["heading"].transpose("trial", "step").values
+    return heading, routes["velocity"].transpose("trial", "step", "xy").values, routes["trial"].values
 
 
 def _dataset(arrays: TrialArrays, params: TrialParams, trials: np.ndarray) -> xarray.Dataset:
@@ -135,8 +138,11 @@ def describe(params: TrialParams) -> dict[str, Any]:
     """Flat, JSON-ready description of what trials were run with."""
     description = {f"circuit_{name}": value for name, value in vars(params.circuit).items() if name != "connectivity"}
     description |= {f"motion_{name}": value for name, value in vars(params.motion).items()}
-    noise = json.dumps(dict(params.noise)) if isinstance(params.noise, Mapping) else params.noise
-    description |= {"noise": noise, "seed": params.seed, "n_inbound": params.n_inbound}
+    if isinstance(params.noise, Mapping):
+        noise: float | str = json.dumps({name: float(sigma) for name, sigma in params.noise.items()})
+    else:
+        noise = float(params.noise)
+    description |= {"noise": noise, "seed": int(params.seed), "n_inbound": int(params.n_inbound)}
     return description | {
         "dtype": np.dtype(params.dtype).name,
         "perturbations": [str(perturbation) for perturbation in params.perturbations],

@@ -1,5 +1,6 @@
 """The path integrator as a pure function of its state and senses, one time step at a time."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -10,11 +11,10 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from insectnav.central_complex.layers import N_ROWS, POPULATIONS, rows
 from insectnav.central_complex.packing import new_workspace, pack_circuit
 from insectnav.central_complex.parameters import CircuitParams
-from insectnav.checks import InputError, check_choice, check_finite, check_shape
+from insectnav.checks import InputError, as_numbers, check_finite, check_precision, check_radians, check_shape
 from insectnav.rng import trial_streams
 
 Reals = NDArray[np.floating[Any]]
-DTYPES = ("float32", "float64")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -102,7 +102,7 @@ def initial_state(
     InputError
         If the seed is negative or the dtype is another.
     """
-    check_choice("dtype", np.dtype(dtype).name, DTYPES)
+    dtype = check_precision("dtype", dtype)
     stream = None
     if seed is not None:
         stream = trial_streams(seed, np.arange(int(np.prod(shape))), "circuit").reshape(*shape, 4)
@@ -133,7 +133,7 @@ def step(
     Raises
     ------
     InputError
-        If shapes do not agree, a value is not finite, or noise is asked of a state without a seed.
+        If shapes do not agree, a value is not finite or not in radians, or noise is asked of a state without a seed.
 
     Notes
     -----
@@ -142,20 +142,20 @@ def step(
     from insectnav.central_complex.step_kernel import step_circuits
 
     dtype = np.asarray(state.memory).dtype
-    check_choice("dtype of the state", dtype.name, DTYPES)
+    check_precision("dtype of the state", dtype)
     batch = np.shape(senses.heading)
-    heading = np.ascontiguousarray(senses.heading, dtype).reshape(-1)
     _check_batch(state, senses, batch)
     circuit = pack_circuit(params, noise, dtype)
     if circuit.constants.is_noisy and state.stream is None:
         raise InputError("noise needs random numbers, but the state has none: give initial_state a seed")
-    streams = np.zeros((heading.size, 4), np.uint32) if state.stream is None else np.array(state.stream).reshape(-1, 4)
-    activity = np.empty((heading.size, N_ROWS), dtype)
+    n_circuits = math.prod(batch)
+    streams = np.zeros((n_circuits, 4), np.uint32) if state.stream is None else np.array(state.stream).reshape(-1, 4)
+    activity = np.empty((n_circuits, N_ROWS), dtype)
     step_circuits(
-        heading,
-        np.ascontiguousarray(senses.velocity, dtype).reshape(-1, 2),
-        np.ascontiguousarray(state.tb1, dtype).reshape(-1, 8),
-        np.ascontiguousarray(state.memory).reshape(-1, 16),
+        np.array(senses.heading, dtype).reshape(-1),
+        np.array(senses.velocity, dtype).reshape(-1, 2),
+        np.array(state.tb1, dtype).reshape(-1, 8),
+        np.array(state.memory).reshape(-1, 16),
         streams,
         activity,
         circuit,
@@ -176,8 +176,9 @@ def split_activity(activity: Reals) -> Rates:
 def _check_batch(state: CircuitState, senses: Senses, batch: tuple[int, ...]) -> None:
     check_shape("state tb1", np.asarray(state.tb1), (*batch, 8))
     check_shape("state memory", np.asarray(state.memory), (*batch, 16))
-    check_shape("velocity", np.asarray(senses.velocity), (*batch, 2))
+    check_shape("velocity", as_numbers("velocity", senses.velocity), (*batch, 2))
     if state.stream is not None:
         check_shape("state stream", state.stream, (*batch, 4))
     check_finite("heading", senses.heading)
+    check_radians("heading", senses.heading)
     check_finite("velocity", senses.velocity)

@@ -87,9 +87,12 @@ def advance_circuit(circuit, work, heading, velocity_x, velocity_y):
         drive = load(activity, MEMORY + cell)
         set_rate(activity, held, CPU4 + cell, respond(drive, constants.cpu4_slope, constants.cpu4_bias, constants))
     for cell in range(16):
-        drive = synaptic_input(activity, wiring, CPU4_TO_PONTINE + cell, 0)
-        rate = respond(drive, constants.pontine_slope, constants.pontine_bias, constants)
-        set_rate(activity, held, PONTINE + cell, rate)
+        if constants.has_pontine:
+            drive = synaptic_input(activity, wiring, CPU4_TO_PONTINE + cell, 0)
+            rate = respond(drive, constants.pontine_slope, constants.pontine_bias, constants)
+            set_rate(activity, held, PONTINE + cell, rate)
+        else:
+            store(activity, PONTINE + cell, max(held[PONTINE + cell], 0.0))
     for cell in range(16):
         drive = synaptic_input(activity, wiring, CPU4_TO_CPU1 + cell, 0)
         drive = drive - synaptic_input(activity, wiring, PONTINE_TO_CPU1 + cell, 0)

@@ -38,7 +38,8 @@ def decode_waggle_dance(memory: ArrayLike, params: CircuitParams) -> WaggleDance
     Fourier coefficient of the eight sums. Bearing out is −arg F (the 2017 code returns arg F, its mirror image).
     Distance is |F| / 2h where flow is inhibited by direction, and |F| / h where flow and direction are multiplied:
     the latter is exact for linear cells, since Σ cos² = 4 over eight columns, each charged by h · flow / 4 per step.
-    In the rate models TB1 is steeper than a cosine and both come out 1.05 to 1.2 times too long.
+    In the rate models TB1 is steeper than a cosine: without noise both come out 1.05 to 1.2 times too long; noise makes
+    them shorter again, to about the true length at 0.1.
     """
     memory = np.asarray(memory)
     check_shape("memory", memory, (..., 16))

@@ -20,6 +20,7 @@ class Constants(NamedTuple):
     is_sigmoid: bool
     is_flow_averaged: bool
     is_noisy: bool
+    has_pontine: bool
     memory_rule: int
     steering_rule: int
     tl_slope: float
@@ -93,6 +94,7 @@ def pack_constants(params: CircuitParams, noise: NDArray[np.floating]) -> Consta
     same_name |= {name: value / np.log(2.0) for name, value in same_name.items() if name.endswith(("_slope", "_bias"))}
     computed = {
         "is_noisy": bool(np.any(noise != 0.0)),
+        "has_pontine": params.pontine_to_cpu1_strength != 0.0,
         "memory_rule": MEMORY_RULES.index(params.memory_rule),
         "steering_rule": STEERING_RULES.index(params.steering_rule),
         "tn_cosine": float(np.cos(params.tn_preference)),

@@ -8,6 +8,7 @@ import platform
 import secrets
 import shutil
 import sys
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
@@ -140,6 +141,9 @@ def write_arrays(path: Path, arrays: Mapping[str, tuple], attributes: Mapping[st
         stored = group.create_array(name, data=values, dimension_names=dimensions)
         for own in own_attributes:
             stored.attrs.update(_plain(own))
+    with warnings.catch_warnings():  # that the format of consolidated metadata may still change; xarray asks for it
+        warnings.simplefilter("ignore", UserWarning)
+        zarr.consolidate_metadata(group.store)
 
 
 def provenance(seconds: float) -> dict[str, Any]:

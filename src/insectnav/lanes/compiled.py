@@ -13,11 +13,15 @@ PACKAGE = Path(__file__).parents[1]
 
 
 def _sources_digest() -> str:
-    """A name for this exact set of kernel sources, numba and processor-independent settings."""
+    """A name for this exact state of numba and of all that kernels are compiled from.
+
+    A kernel takes in constants and functions of its neighbours, so every file of a folder with a kernel in it counts.
+    """
+    sources = {path: path.read_bytes() for path in sorted(PACKAGE.rglob("*.py"))}
+    folders = {path.parent for path, text in sources.items() if b"lanes.compiled import" in text} | {PACKAGE / "lanes"}
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(PACKAGE.rglob("*.py")):
-        text = path.read_bytes()
-        if b"lanes.compiled" in text or path.parent == Path(__file__).parent:
+    for path, text in sources.items():
+        if path.parent in folders:
             digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + text)
     return digest.hexdigest()[:16]
 
