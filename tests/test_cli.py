@@ -132,7 +132,6 @@ def test_random_trip_as_json(tmp_path: Path):
     assert told["folder"] == str(Path("out") / "random-trip")
     assert told["scale"]["outbound_steps"] == 1500
     assert sorted(path.name for path in (tmp_path / "out" / "random-trip").iterdir()) == FILES
-    assert sorted(path.name for path in tmp_path.rglob(".*")) == []
 
 
 def test_track_as_json(tmp_path: Path):
@@ -160,20 +159,19 @@ def test_track_as_json(tmp_path: Path):
 
 def test_words_say_what_json_says(insectnav: Callable, tmp_path: Path):
     (tmp_path / "walk.csv").write_text(walk())
-    for _ in range(2):  # the second replaces the first
-        said = insectnav("home", "walk.csv", *QUICK, "--out", "deep/result")
-        assert (said.code, said.err) == (0, "")
-        assert sorted(path.name for path in (tmp_path / "deep" / "result").iterdir()) == FILES
+    (tmp_path / "deep" / "result").mkdir(parents=True)
+    (tmp_path / "deep" / "result" / "provenance.json").write_text("{}")  # earlier results, to be replaced
+    said = insectnav("home", "walk.csv", *QUICK, "--out", "deep/result")
+    assert (said.code, said.err) == (0, "")
+    assert sorted(path.name for path in (tmp_path / "deep" / "result").iterdir()) == FILES
     results = strict((tmp_path / "deep" / "result" / "summary.json").read_text(encoding="utf-8"))["results"]
     assert f"median {results['closest_distance']['median']:.3g}" in said.out
     assert f"{results['distance_of_turning_point']['mean']:.4g} m from the nest" in said.out
     assert f"{results['decoded_bearing_error_absolute']['mean']:.3g}° off" in said.out
     assert "heading: direction of motion" in said.out
-    assert "steps per m" in said.out
     assert "note: no heading column" in said.out
     assert said.out.endswith("deep/result\n")
     assert "nan" not in said.out
-    assert everything(tmp_path)[0] == "deep"
 
 
 def test_reverse_starts_at_the_other_end(insectnav: Callable, without_figure: None, tmp_path: Path):
@@ -227,7 +225,7 @@ def write_bad_tracks(folder: Path) -> None:
     (folder / "foreign").mkdir()
     (folder / "foreign" / "thesis.txt").write_text("mine")
     tracks = {
-        "image": "PNG\0", "empty": "", "columns": "a,b,c\n1,2,3\n", "numbers": "0.1,1,2\n0.2,2,3\n",
+        "image": "PNG\0", "empty": "", "columns": "a,b,c\n1,2,3\n",
         "text": changed(7, 1, "abc"), "back": changed(7, 0, "0.1"),
         "pause": table([[f"{float(t) * 10 + 1.05 * (i > 5):.2f}", x, y] for i, (t, x, y) in enumerate(rows())]),
         "lost": table([[t, "" if 4 < i < 30 else x, y] for i, (t, x, y) in enumerate(rows(60, 0.04))]),
@@ -247,7 +245,6 @@ BAD = [
     ("image.csv", "not text"),
     ("empty.csv", "the file is empty"),
     ("columns.csv", "no column for time and x and y among 'a', 'b', 'c'"),
-    ("numbers.csv", "does the table lack its header?"),
     ("text.csv", "row 7, column 'x_m': 'abc' is not a number"),
     ("pause.csv", "gap of 2.05 s before row 8, at most 1 s is filled: raise --max-gap"),
     ("lost.csv", "gap of 1.04 s before row 32"),
@@ -271,11 +268,9 @@ BAD = [
     ("walk.csv --homing-steps 1000000000000000", "homing"),
     ("walk.csv --seed -1", "seed is -1, expected a whole number of at least 0"),
     ("walk.csv --steps-per-unit 0", "is 0, expected"),
-    ("walk.csv --steps-per-unit nan", "is nan, expected"),
     ("walk.csv --steps-per-unit 1e9", "more than 1000000 steps, expected fewer: lower --steps-per-unit"),
     ("walk.csv --steps-per-unit 1e-9", "a single step, expected more: raise --steps-per-unit"),
     ("walk.csv --max-gap -1", "is -1, expected at least 0 s"),
-    ("walk.csv --max-gap-samples -1", "is -1, expected a whole number of at least 0"),
     ("walk.csv --out walk.csv", "--out 'walk.csv' is a file"),
     ("walk.csv --out foreign", "--out 'foreign' holds other files"),
     ("walk.csv --out walk.csv/below", "--out 'walk.csv/below' cannot be written"),

@@ -10,6 +10,8 @@ import typer
 
 from insectnav.checks import InputError
 
+INTERRUPTED = 130  # exit code, as of shells
+
 app = typer.Typer(
     name="insectnav",
     help="Insect visual navigation: sky and places, homing by views, path integration.",
@@ -66,21 +68,20 @@ def home(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
     """Fly the bee's path integrator along a track and let it steer home."""
-    from insectnav.datasets.tracks import read_track
+    from insectnav.datasets.tracks import ReadingParams, read_track
     from insectnav.experiments.home import HomeParams, Trip, random_trip, recorded_trip, run
     from insectnav.experiments.results import to_json
 
     params = HomeParams(
         preset=preset, variant=variant, noise=noise, n_trials=trials, n_inbound=homing_steps, seed=seed,
     )  # fmt: skip
+    reading = ReadingParams(heading_convention=heading_convention, max_gap_s=max_gap, max_gap_samples=max_gap_samples)
     if track is None:
         if reverse or steps_per_unit is not None:
             raise InputError("--reverse and --steps-per-unit need a track, but none was given")
         make_trip: Callable[[], Trip] = lambda: random_trip(seed)  # noqa: E731
     else:
-        recorded = read_track(
-            track, heading_convention=heading_convention, max_gap_s=max_gap, max_gap_samples=max_gap_samples
-        )
+        recorded = read_track(track, **vars(reading))
         trip = recorded_trip(recorded.reversed() if reverse else recorded, steps_per_unit)
         make_trip = lambda: trip  # noqa: E731
     folder = Path(out) if out is not None else Path("out") / (Path(track).stem if track else "random-trip")
@@ -132,8 +133,9 @@ def main() -> None:
     except typer.TyperException as error:
         code = _refuse(error.format_message())
     except (KeyboardInterrupt, typer.Abort):
+        code = INTERRUPTED
+    if code == INTERRUPTED:  # which is also how typer reports it
         print("insectnav: interrupted, nothing written", file=sys.stderr)
-        code = 130
     sys.exit(code if isinstance(code, int) else 0)
 
 

@@ -50,9 +50,7 @@ class ClampCells:
             check_count("end_step", self.end_step, minimum=self.first_step)
         if self.cells is not None:
             if not isinstance(self.cells, Sequence | range) or isinstance(self.cells, str):
-                raise InputError(
-                    f"cells of {self.population} are {self.cells!r}, expected some as in (3, 4)"
-                )
+                raise InputError(f"cells of {self.population} are {self.cells!r}, expected some as in (3, 4)")
             object.__setattr__(self, "cells", tuple(self.cells))
         for cell in self.cells or ():
             check_count(f"cell of {self.population}", cell, minimum=0)

@@ -32,6 +32,26 @@ HEADING_COLUMNS = {"heading_rad": "rad", "heading_deg": "deg"}
 HEADING_CONVENTIONS = ("compass", "math")
 
 
+@dataclass(frozen=True, kw_only=True)
+class ReadingParams:
+    """How a track is read; see `read_track`.
+
+    Raises
+    ------
+    InputError
+        If the convention is unknown or a limit is negative.
+    """
+
+    heading_convention: str = "compass"
+    max_gap_s: float = 1.0  # [s] ours
+    max_gap_samples: int = 20  # ours
+
+    def __post_init__(self) -> None:
+        check_choice("heading convention", self.heading_convention, HEADING_CONVENTIONS)
+        check_range("max_gap_s", self.max_gap_s, 0, np.inf, "s")
+        check_count("max_gap_samples", self.max_gap_samples, minimum=0)
+
+
 def read_track(
     path: str | PathLike[str],
     *,
@@ -57,13 +77,11 @@ def read_track(
     InputError
         One sentence that names the file, the row as a spreadsheet shows it, and the likely slip.
     """
-    check_choice("heading convention", heading_convention, HEADING_CONVENTIONS)
-    check_range("max_gap_s", max_gap_s, 0, np.inf, "s")
-    check_count("max_gap_samples", max_gap_samples, minimum=0)
+    params = ReadingParams(heading_convention=heading_convention, max_gap_s=max_gap_s, max_gap_samples=max_gap_samples)
     limits = GapLimits(max_gap_s=max_gap_s, max_gap_samples=min(max_gap_samples, 10**9))
     path = Path(path)
     try:
-        return _read(path, heading_convention, limits)
+        return _read(path, params.heading_convention, limits)
     except InputError as error:
         raise InputError(f"{quoted(path, limit=200)}: {error}") from None
 

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.agents.motion import MotionParams
-from insectnav.agents.recorded_routes import route_from_track
+from insectnav.agents.recorded_routes import MAX_STEPS, route_from_track
 from insectnav.agents.routes import RouteParams, route_arrays
 from insectnav.agents.simulation import TrialArrays, TrialParams, simulate_trials
 from insectnav.agents.trials import describe, split_recorded
 from insectnav.central_complex import PRESETS, VARIANTS, circuit_params, decode_home_vector
-from insectnav.checks import check_choice, check_count, check_range
+from insectnav.checks import InputError, check_choice, check_count, check_range
 from insectnav.experiments.figure_process import FigureProcess
 from insectnav.experiments.results import PROVENANCE, provenance, results_folder, to_json, write_arrays, write_table
 from insectnav.metrics.path_integration import bearing_error, distance_left, length_ratio, summary, tortuosity
@@ -27,6 +27,9 @@ Reals = NDArray[np.floating[Any]]
 
 SEARCH_RADIUS = 20.0  # [steps] thesis, Ext. Data Fig. 8: the home range that counts as found
 RANDOM_STEPS = 1500  # thesis, Fig. 5a
+MAX_TRIALS = 1_000_000
+MAX_DRAWN = 100  # ways home in the figure
+MAX_SAMPLES = 1_000_000_000  # of all trials; 12 bytes each
 SHOWN = ("tl", "cl1", "tb1", "tn2", "memory", "cpu4", "pontine", "cpu1")  # thesis, Fig. 5b
 
 
@@ -52,9 +55,11 @@ class HomeParams:
         check_choice("variant", self.variant, VARIANTS)
         check_range("noise", self.noise, 0.0, 10.0)
         check_count("trials", self.n_trials)
+        check_range("trials", self.n_trials, 1, MAX_TRIALS)
         check_count("seed", self.seed, minimum=0)
         if self.n_inbound is not None:
             check_count("homing steps", self.n_inbound)
+            check_range("homing steps", self.n_inbound, 1, MAX_STEPS)
 
 
 class Trip(NamedTuple):
@@ -148,6 +153,10 @@ def simulate(trip: Trip, params: HomeParams, progress: Callable[[int], None] | N
     }
     trials = TrialParams(**settings)
     n_trials = params.n_trials
+    if (n_samples := n_trials * (len(trip.heading) + trials.n_inbound)) > MAX_SAMPLES:
+        raise InputError(
+            f"trials times steps are {n_samples:.2g}, expected {MAX_SAMPLES:.0e} at most: fewer trials or homing steps?"
+        )
     heading = np.broadcast_to(trip.heading, (n_trials, *trip.heading.shape))
     velocity = np.broadcast_to(trip.velocity, (n_trials, *trip.velocity.shape))
     arrays = simulate_trials(heading, velocity, np.arange(n_trials), trials, progress=progress)
@@ -192,7 +201,7 @@ def figure_data(homing: Homing) -> dict[str, Any]:
         "unit": trip.length_unit,
         "nest": trip.nest,
         "outbound": position[0, :n_outbound],
-        "homing": position[:100, n_outbound - 1 :],
+        "homing": position[:MAX_DRAWN, n_outbound - 1 :],
         "n_trials": len(position),
         "search_radius": SEARCH_RADIUS / trip.steps_per_unit,
         "home_vector": homing.home_vector / trip.steps_per_unit,

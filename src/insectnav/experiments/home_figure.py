@@ -59,7 +59,8 @@ def _draw_paths(axes: Axes, data: Mapping[str, Any]) -> None:
     faint = max(0.12, 0.8 / len(ways_home) ** 0.5)
     axes.add_collection(LineCollection(ways_home, colors=COLOURS["sky"], linewidths=0.4, alpha=faint, zorder=1))
     n_trials = int(data["n_trials"])
-    axes.plot([], [], color=COLOURS["sky"], linewidth=0.8, label=f"ways home (n = {n_trials})")
+    shown = f"n = {n_trials}" if n_trials == len(ways_home) else f"{len(ways_home)} of {n_trials}"
+    axes.plot([], [], color=COLOURS["sky"], linewidth=0.8, label=f"ways home ({shown})")
     axes.plot(*ways_home[0].T, color=COLOURS["blue"], linewidth=0.8, zorder=3, label="first way home")
     axes.plot(*data["outbound"].T, color="0.25", linewidth=0.9, zorder=2, label="outbound")
     circle = Circle(tuple(nest), float(data["search_radius"]), fill=False, linestyle="--", linewidth=0.7, zorder=4)
@@ -80,7 +81,7 @@ def _draw_paths(axes: Axes, data: Mapping[str, Any]) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(f"x ({unit})")
     axes.set_ylabel(f"y ({unit})")
-    axes.set_title(str(data["name"]), loc="left", pad=10.0)
+    axes.set_title(_shorten_name(str(data["name"])), loc="left", pad=10.0)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, handlelength=1.6, columnspacing=1.2)
 
 
@@ -119,6 +120,13 @@ def _draw_activity(figure: Figure, data: Mapping[str, Any]) -> None:
     panel.set_xlabel(f"time ({_plural(time_unit)})")
     bar = figure.colorbar(image, cax=figure.add_axes((0.925, 0.1, 0.012, 0.825)))
     bar.set_label("rate / highest of the population")
+
+
+def _shorten_name(name: str, limit: int = 40) -> str:
+    """The name, with its middle left out where it would not fit above the map; no character is taken as markup."""
+    if len(name) > limit:
+        name = f"{name[: limit // 2]}…{name[-limit // 2 + 1 :]}"
+    return name.replace("$", r"\$")
 
 
 def _shorten(rates: np.ndarray, n_columns: int = 800) -> np.ndarray:

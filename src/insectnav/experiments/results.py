@@ -10,7 +10,7 @@ import shutil
 import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -32,18 +32,21 @@ def results_folder(destination: str | os.PathLike[str]) -> Iterator[Path]:
     InputError
         If the destination cannot be written, is a file, or holds other things than earlier results.
     """
-    final = Path(os.path.abspath(destination))
-    check_destination(final)
+    check_destination(destination)
+    final = Path(os.path.realpath(destination))  # a link stays, and what it points to is replaced
     temporary = final.with_name(f".{final.name}.{secrets.token_hex(4)}.part")
-    with _as_input_error(final):
-        final.parent.mkdir(parents=True, exist_ok=True)
-        temporary.mkdir()
+    new_parents = [parent for parent in final.parents if not parent.exists()]
+    with _as_input_error(destination):
+        temporary.mkdir(parents=True)
     try:
         yield temporary
-        with _as_input_error(final):
+        with _as_input_error(destination):
             _replace(final, temporary)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+        for parent in new_parents:
+            with suppress(OSError):
+                parent.rmdir()  # only where it is empty
 
 
 def check_destination(destination: str | os.PathLike[str]) -> None:
@@ -54,9 +57,9 @@ def check_destination(destination: str | os.PathLike[str]) -> None:
     InputError
         If the destination is a file, cannot be written, or holds other things than earlier results.
     """
-    final = Path(os.path.abspath(destination))
+    final = Path(os.path.realpath(destination))
     shown = quoted(destination, limit=200)
-    with _as_input_error(final):
+    with _as_input_error(destination):
         if final.exists() and not final.is_dir():
             raise InputError(f"--out {shown} is a file, expected a folder or a new name")
         if final.is_dir() and any(final.iterdir()) and not (final / PROVENANCE).is_file():
@@ -69,25 +72,40 @@ def check_destination(destination: str | os.PathLike[str]) -> None:
 
 
 @contextmanager
-def _as_input_error(path: Path) -> Iterator[None]:
+def _as_input_error(destination: str | os.PathLike[str]) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(f"--out {quoted(path, limit=200)} cannot be written ({error.strerror})") from None
+        raise InputError(f"--out {quoted(destination, limit=200)} cannot be written ({error.strerror})") from None
 
 
 def _replace(final: Path, temporary: Path) -> None:
+    """Rename to the final name; what is there is renamed first, and comes back if that fails."""
     if not final.exists():
         temporary.rename(final)
-        return
-    old = temporary.with_suffix(".old")
-    final.rename(old)
-    try:
-        temporary.rename(final)
-    except OSError:
-        old.rename(final)
-        raise
-    shutil.rmtree(old, ignore_errors=True)
+    elif final == Path.cwd():
+        _refill(final, temporary)
+    else:
+        old = temporary.with_suffix(".old")
+        final.rename(old)
+        try:
+            temporary.rename(final)
+        except OSError:
+            old.rename(final)
+            raise
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def _refill(final: Path, temporary: Path) -> None:
+    """Exchange the contents of the folder the user stands in, which a new folder of the same name would leave empty.
+
+    Provenance goes first and comes last: a folder without it is no result.
+    """
+    (final / PROVENANCE).unlink(missing_ok=True)
+    for item in list(final.iterdir()):
+        shutil.rmtree(item) if item.is_dir() and not item.is_symlink() else item.unlink()
+    for item in sorted(temporary.iterdir(), key=lambda item: item.name == PROVENANCE):
+        item.rename(final / item.name)
 
 
 def to_json(value: Any) -> str:

@@ -33,13 +33,14 @@ def summary(values: ArrayLike) -> Summary:
 
 
 def bearing_error(decoded: ArrayLike, true: ArrayLike) -> Reals:
-    """Angle from the true to the decoded vector, (...) [rad] in [−π, π), positive clockwise.
+    """Angle from the true to the decoded vector, (...) [rad] in [−π, π), positive clockwise; NaN where one is null.
 
     Parameters
     ----------
     decoded, true : (..., 2) arrays
     """
-    return wrap(bearing(decoded) - bearing(true))
+    has_bearing = np.any(decoded, axis=-1) & np.any(true, axis=-1)
+    return np.where(has_bearing, wrap(bearing(decoded) - bearing(true)), np.nan)[()]
 
 
 def length_ratio(decoded: ArrayLike, true: ArrayLike) -> Reals:
@@ -74,6 +75,8 @@ def distance_left(path: ArrayLike) -> Reals:
     """
     path = np.asarray(path, float)
     check_shape("path", path, ("trial", "step", 2))
+    if path.shape[1] < 2:
+        return np.full(len(path), np.nan)
     walked = np.cumsum(np.linalg.norm(np.diff(path, axis=1), axis=-1), axis=1)
     nearest = np.minimum.accumulate(np.linalg.norm(path, axis=-1), axis=1)
     straight = nearest[:, 0]
@@ -84,7 +87,7 @@ def distance_left(path: ArrayLike) -> Reals:
 
 
 def tortuosity(path: ArrayLike) -> float:
-    """L/C of Stone et al. 2017, Fig. 5e: 1 / (1 − mean over trials of `distance_left`); 1 is straight.
+    """L/C of Stone et al. 2017, Fig. 5e: 1 / (1 − mean over trials of `distance_left`); 1 is a straight line.
 
     Parameters
     ----------
@@ -93,4 +96,6 @@ def tortuosity(path: ArrayLike) -> float:
     """
     left = distance_left(path)
     left = left[np.isfinite(left)]
-    return float(1.0 / (1.0 - left.mean())) if left.size else float("nan")
+    if left.size == 0:
+        return float("nan")
+    return float(1.0 / (1.0 - left.mean())) if left.mean() < 1.0 else float("inf")
