@@ -1,8 +1,10 @@
 """The command line: thin, one function for each command."""
 
+import gc
+import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -68,25 +70,28 @@ def home(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
     """Fly the bee's path integrator along a track and let it steer home."""
-    from insectnav.datasets.tracks import ReadingParams, read_track
-    from insectnav.experiments.home import HomeParams, Trip, random_trip, recorded_trip, run
-    from insectnav.experiments.results import to_json
+    from insectnav.experiments.figure_process import FigureProcess
 
-    params = HomeParams(
-        preset=preset, variant=variant, noise=noise, n_trials=trials, n_inbound=homing_steps, seed=seed,
-    )  # fmt: skip
-    reading = ReadingParams(heading_convention=heading_convention, max_gap_s=max_gap, max_gap_samples=max_gap_samples)
-    if track is None:
-        if reverse or steps_per_unit is not None:
+    with FigureProcess("insectnav.experiments.home_figure") as figure:  # first, since it takes longest to get ready
+        from insectnav.datasets.tracks import ReadingParams, read_track
+        from insectnav.experiments.home import HomeParams, random_trip, recorded_trip, run
+        from insectnav.experiments.results import check_destination, to_json
+
+        params = HomeParams(
+            preset=preset, variant=variant, noise=noise, n_trials=trials, n_inbound=homing_steps, seed=seed
+        )
+        reading = ReadingParams(
+            heading_convention=heading_convention, max_gap_s=max_gap, max_gap_samples=max_gap_samples
+        )
+        if track is not None:
+            recorded = read_track(track, **vars(reading))
+            trip = recorded_trip(recorded.reversed() if reverse else recorded, steps_per_unit)
+        elif reverse or steps_per_unit is not None:
             raise InputError("--reverse and --steps-per-unit need a track, but none was given")
-        make_trip: Callable[[], Trip] = lambda: random_trip(seed)  # noqa: E731
-    else:
-        recorded = read_track(track, **vars(reading))
-        trip = recorded_trip(recorded.reversed() if reverse else recorded, steps_per_unit)
-        make_trip = lambda: trip  # noqa: E731
-    folder = Path(out) if out is not None else Path("out") / (Path(track).stem if track else "random-trip")
-    with _progress_bar(trials, "ways home") as advance:
-        result = run(make_trip, params, folder, advance)
+        folder = Path(out if out is not None else f"out/{Path(track).stem if track else 'random-trip'}")
+        check_destination(folder)
+        with _progress_bar(trials, "ways home") as advance:
+            result = run(trip if track else random_trip(seed), params, folder, figure, advance)
     print(to_json(result | {"folder": str(folder)}) if as_json else _in_words(result, folder))
 
 
@@ -144,5 +149,20 @@ def _refuse(sentence: str) -> int:
     return 2
 
 
+def program() -> None:
+    """Run the command line as a program: `main` without what a short life does not need.
+
+    Collecting garbage during the imports and taking the interpreter apart at the end would take a fifth of the time.
+    """
+    gc.disable()
+    try:
+        main()
+    except SystemExit as exit_:
+        with suppress(OSError):  # a closed pipe
+            sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(exit_.code if isinstance(exit_.code, int) else 1)
+
+
 if __name__ == "__main__":
-    main()
+    program()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +40,7 @@ STYLE: Any = {
     "legend.fontsize": 6.0,
     "legend.frameon": False,
     "lines.linewidth": 1.0,
+    "axes.unicode_minus": False,  # the typographic minus alone would need a second font in the PDF, which takes long
     "pdf.fonttype": 42,  # text stays text
     "svg.fonttype": "none",
 }
@@ -51,8 +53,12 @@ def journal_style() -> Any:
     return matplotlib.rc_context(STYLE)
 
 
-def save_figure(figure: Figure, folder: Path, name: str = "figure") -> None:
+def save_figure(figure: Figure, folder: Path, name: str = "figure", kinds: Sequence[str] = ("png", "pdf")) -> None:
     """Write ``name``.png (200 dpi) and ``name``.pdf, without a date so that equal figures are equal files."""
+    options: dict[str, dict[str, Any]] = {
+        "png": {"dpi": 200, "metadata": {"Software": None}, "pil_kwargs": {"compress_level": 3}},
+        "pdf": {"dpi": 300, "metadata": {"CreationDate": None}},
+    }
     with journal_style():
-        figure.savefig(folder / f"{name}.png", dpi=200, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
-        figure.savefig(folder / f"{name}.pdf", dpi=300, metadata={"CreationDate": None})
+        for kind in kinds:
+            figure.savefig(folder / f"{name}.{kind}", **options[kind])

@@ -29,6 +29,7 @@ SEARCH_RADIUS = 20.0  # [steps] thesis, Ext. Data Fig. 8: the home range that co
 RANDOM_STEPS = 1500  # thesis, Fig. 5a
 MAX_TRIALS = 1_000_000
 MAX_DRAWN = 100  # ways home in the figure
+POINTS_DRAWN = 750  # of each way home but the first
 MAX_SAMPLES = 1_000_000_000  # of all trials; 12 bytes each
 SHOWN = ("tl", "cl1", "tb1", "tn2", "memory", "cpu4", "pontine", "cpu1")  # thesis, Fig. 5b
 
@@ -195,14 +196,16 @@ def summarise(homing: Homing) -> list[dict[str, Any]]:
 def figure_data(homing: Homing) -> dict[str, Any]:
     """What the figure shows, as arrays."""
     trip, n_outbound = homing.trip, len(homing.trip.heading)
-    position = trip.nest + homing.arrays.position / trip.steps_per_unit
+    position = trip.nest + homing.arrays.position[:MAX_DRAWN] / trip.steps_per_unit
+    stride = max(1, homing.params.n_inbound // POINTS_DRAWN)
     return {
         "name": trip.name,
         "unit": trip.length_unit,
         "nest": trip.nest,
         "outbound": position[0, :n_outbound],
-        "homing": position[:MAX_DRAWN, n_outbound - 1 :],
-        "n_trials": len(position),
+        "first_homing": position[0, n_outbound - 1 :],
+        "homing": position[1:, n_outbound - 1 :: stride],
+        "n_trials": len(homing.arrays.position),
         "search_radius": SEARCH_RADIUS / trip.steps_per_unit,
         "home_vector": homing.home_vector / trip.steps_per_unit,
         "noise": homing.params.noise,
@@ -247,20 +250,22 @@ def _saturation(homing: Homing) -> list[str]:
 
 
 def run(
-    trip: Callable[[], Trip],
+    trip: Trip,
     params: HomeParams,
     destination: str | PathLike[str],
+    figure: FigureProcess | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> dict[str, Any]:
     """Simulate, measure, draw, and leave it all in a folder: the report, also as JSON.
 
     Parameters
     ----------
-    trip : callable
-        Makes the trip; called once the drawing process has been started, which takes its time to get ready.
+    trip : Trip
     params : HomeParams
     destination : path
         A new folder, or one of earlier results, which is replaced.
+    figure : FigureProcess, optional
+        One for `insectnav.experiments.home_figure`, if it could be started earlier.
     progress : callable, optional
         Called with the number of trials just finished.
 
@@ -270,15 +275,15 @@ def run(
         If the destination cannot be written.
     """
     started = time.perf_counter()
-    with results_folder(destination) as folder, FigureProcess("insectnav.experiments.home_figure", folder) as figure:
-        homing = simulate(trip(), params, progress)
-        figure.draw(figure_data(homing))
+    with results_folder(destination) as folder, figure or FigureProcess("insectnav.experiments.home_figure") as drawing:
+        homing = simulate(trip, params, progress)
+        drawing.draw(figure_data(homing), folder)
         rows = summarise(homing)
         result = report(homing, rows, params)
         write_table(folder / "table.csv", rows)
         write_arrays(folder / "data.zarr", _arrays(homing), describe(homing.params) | {"scale": result["scale"]})
         (folder / "summary.json").write_text(to_json(result) + "\n", encoding="utf-8")
-        figure.finish()
+        drawing.finish()
         (folder / PROVENANCE).write_text(to_json(provenance(time.perf_counter() - started)) + "\n", encoding="utf-8")
     return result
 
@@ -287,13 +292,14 @@ def _arrays(homing: Homing) -> dict[str, tuple]:
     """Names, dimensions and units of what goes into data.zarr."""
     trip, arrays = homing.trip, homing.arrays
     unit = {"units": trip.length_unit}
+    position = trip.nest + arrays.position / trip.steps_per_unit
     is_homing = np.arange(arrays.heading.shape[1]) >= len(trip.heading)
     variables: dict[str, tuple] = {
         "trial": (("trial",), np.arange(len(arrays.heading))),
         "step": (("step",), np.arange(arrays.heading.shape[1])),
         "leg": (("step",), is_homing.astype(np.int8), {"flag_values": [0, 1], "flag_meanings": "out home"}),
         "heading": (("trial", "step"), arrays.heading, {"units": "rad", "zero": "+y", "positive": "clockwise"}),
-        "position": (("trial", "step", "xy"), trip.nest + arrays.position / trip.steps_per_unit, unit),
+        "position": (("trial", "step", "xy"), position.astype(arrays.position.dtype, copy=False), unit),
         "memory_at_turn": (("trial", "cell"), arrays.memory_at_turn),
         "home_vector_at_turn": (("trial", "xy"), homing.home_vector / trip.steps_per_unit, unit),
         "closest_distance": (("trial",), arrays.closest_distance / trip.steps_per_unit, unit),

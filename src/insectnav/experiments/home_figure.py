@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-PANELS = {
+LABELS = {
     "tl": "TL",
     "cl1": "CL1",
     "tb1": "TB1",
@@ -24,6 +24,8 @@ PANELS = {
     "pontine": "Pontine",
     "cpu1": "CPU1",
 }
+GAP = 4  # rows of the picture between populations
+N_COLUMNS = 800  # of the picture
 
 
 def draw(data: Mapping[str, Any]) -> Figure:
@@ -42,8 +44,8 @@ def draw(data: Mapping[str, Any]) -> Figure:
 
     with journal_style():
         figure = Figure(figsize=(DOUBLE_COLUMN, 4.3))
-        _draw_paths(figure.add_axes((0.065, 0.235, 0.385, 0.69)), data)
-        _draw_activity(figure, data)
+        _draw_paths(figure.add_axes((0.08, 0.235, 0.37, 0.69)), data)
+        _draw_activity(figure.add_axes((0.545, 0.1, 0.36, 0.825)), figure.add_axes((0.925, 0.1, 0.012, 0.825)), data)
     return figure
 
 
@@ -55,13 +57,13 @@ def _draw_paths(axes: Axes, data: Mapping[str, Any]) -> None:
     unit = _plural(str(data["unit"]))
     radius = f"{float(data['search_radius']):.3g} {unit}"
     nest, turn = data["nest"], data["outbound"][-1]
-    ways_home = data["homing"]
-    faint = max(0.12, 0.8 / len(ways_home) ** 0.5)
+    ways_home, first_way = data["homing"], data["first_homing"]
+    n_drawn, n_trials = len(ways_home) + 1, int(data["n_trials"])
+    faint = max(0.12, 0.8 / n_drawn**0.5)
     axes.add_collection(LineCollection(ways_home, colors=COLOURS["sky"], linewidths=0.4, alpha=faint, zorder=1))
-    n_trials = int(data["n_trials"])
-    shown = f"n = {n_trials}" if n_trials == len(ways_home) else f"{len(ways_home)} of {n_trials}"
+    shown = f"n = {n_trials}" if n_trials == n_drawn else f"{n_drawn} of {n_trials}"
     axes.plot([], [], color=COLOURS["sky"], linewidth=0.8, label=f"ways home ({shown})")
-    axes.plot(*ways_home[0].T, color=COLOURS["blue"], linewidth=0.8, zorder=3, label="first way home")
+    axes.plot(*first_way.T, color=COLOURS["blue"], linewidth=0.8, zorder=3, label="first way home")
     axes.plot(*data["outbound"].T, color="0.25", linewidth=0.9, zorder=2, label="outbound")
     circle = Circle(tuple(nest), float(data["search_radius"]), fill=False, linestyle="--", linewidth=0.7, zorder=4)
     axes.add_patch(circle)
@@ -89,36 +91,41 @@ def _plural(unit: str) -> str:
     return {"step": "steps", "unit": "units", "frame": "frames"}.get(unit, unit)
 
 
-def _draw_activity(figure: Figure, data: Mapping[str, Any]) -> None:
-    """One image for each population: cells down, time across, the turning point marked."""
+def _draw_activity(axes: Axes, bar_axes: Axes, data: Mapping[str, Any]) -> None:
+    """Populations below each other, one row for each cell, time across, the turning point marked.
+
+    They make a single picture: eight sets of axes would take several times as long to draw.
+    """
     n_outbound, n_steps = len(data["outbound"]), len(data["activity_tl"])
     time_per_step, time_unit = float(data["time_per_step"]), str(data["time_unit"])
-    grid = figure.add_gridspec(
-        len(PANELS), 1, left=0.545, right=0.905, bottom=0.1, top=0.925, hspace=0.22,
-        height_ratios=[2 if name == "tn2" else 4 for name in PANELS],
-    )  # fmt: skip
-    for row, (population, label) in enumerate(PANELS.items()):
-        panel = figure.add_subplot(grid[row])
+    blocks, first_row = [], 0
+    for population, label in LABELS.items():
         rates = _shorten(np.asarray(data[f"activity_{population}"], float).T)
-        image = panel.imshow(
-            rates / max(rates.max(), 1e-12),
-            aspect="auto",
-            interpolation="none",
-            cmap=RATES,
-            vmin=0.0,
-            vmax=1.0,
-            extent=(0.0, n_steps * time_per_step, len(rates) + 0.5, 0.5),
-        )
-        panel.axvline(n_outbound * time_per_step, color=COLOURS["orange"], linewidth=1.0)
-        panel.set_ylabel(label, rotation=0, ha="right", va="center")
-        panel.yaxis.set_label_coords(-0.07, 0.5)
-        panel.set_yticks([1, len(rates)])
-        if row == 0:
-            panel.set_title("activity in the first trial", loc="left", pad=10.0)
-            panel.text(n_outbound * time_per_step, 0.0, "turning point", ha="center", va="bottom", fontsize=6)
-        panel.xaxis.set_visible(row == len(PANELS) - 1)
-    panel.set_xlabel(f"time ({_plural(time_unit)})")
-    bar = figure.colorbar(image, cax=figure.add_axes((0.925, 0.1, 0.012, 0.825)))
+        n_cells = len(rates)
+        rows_per_cell = 4 if n_cells == 2 else 16 // n_cells
+        height = n_cells * rows_per_cell
+        middle = first_row + height / 2.0
+        axes.text(-0.07, middle, label, transform=axes.get_yaxis_transform(), ha="right", va="center")
+        for cell in (0, n_cells - 1):
+            row = first_row + (cell + 0.5) * rows_per_cell
+            axes.text(
+                -0.012, row, str(cell + 1), transform=axes.get_yaxis_transform(), fontsize=5, ha="right", va="center"
+            )
+        blocks += [
+            np.repeat(rates / max(rates.max(), 1e-12), rows_per_cell, axis=0),
+            np.full((GAP, rates.shape[1]), np.nan),
+        ]
+        first_row += height + GAP
+    picture = np.ma.masked_invalid(np.concatenate(blocks[:-1]))
+    extent = (0.0, n_steps * time_per_step, len(picture), 0.0)
+    image = axes.imshow(picture, aspect="auto", interpolation="none", cmap=RATES, vmin=0.0, vmax=1.0, extent=extent)
+    axes.axvline(n_outbound * time_per_step, color=COLOURS["orange"], linewidth=1.0)
+    axes.text(n_outbound * time_per_step, -0.5, "turning point", ha="center", va="bottom", fontsize=6)
+    axes.set_title("activity in the first trial", loc="left", pad=10.0)
+    axes.set_yticks([])
+    axes.spines["left"].set_visible(False)
+    axes.set_xlabel(f"time ({_plural(time_unit)})")
+    bar = axes.figure.colorbar(image, cax=bar_axes)
     bar.set_label("rate / highest of the population")
 
 
@@ -129,7 +136,7 @@ def _shorten_name(name: str, limit: int = 40) -> str:
     return name.replace("$", r"\$")
 
 
-def _shorten(rates: np.ndarray, n_columns: int = 800) -> np.ndarray:
+def _shorten(rates: np.ndarray, n_columns: int = N_COLUMNS) -> np.ndarray:
     """Rates (cell, step) averaged over as many steps as one dot of the picture covers."""
     n_per_column = -(-rates.shape[1] // n_columns)
     starts = np.arange(0, rates.shape[1], n_per_column)

@@ -155,10 +155,8 @@ def write_arrays(path: Path, arrays: Mapping[str, tuple], attributes: Mapping[st
 
     group = zarr.create_group(path, attributes=_plain(attributes))
     for name, (dimensions, values, *own_attributes) in arrays.items():
-        values = np.asarray(values)
-        stored = group.create_array(name, data=values, dimension_names=dimensions)
-        for own in own_attributes:
-            stored.attrs.update(_plain(own))
+        attrs = _plain(own_attributes[0]) if own_attributes else None
+        group.create_array(name, data=np.asarray(values), dimension_names=dimensions, attributes=attrs)
     with warnings.catch_warnings():  # that the format of consolidated metadata may still change; xarray asks for it
         warnings.simplefilter("ignore", UserWarning)
         zarr.consolidate_metadata(group.store)
