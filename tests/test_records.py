@@ -81,7 +81,7 @@ def test_a_track_flown_backwards():
     assert_array_equal(track.time, [0.0, 2.0, 3.0])
     assert_array_equal(track.position, [[1.0, 2.0], [1.0, 0.0], [0.0, 0.0]])
     assert_allclose(track.heading, [-PI, -PI / 2, -PI / 2], atol=1e-15)
-    assert (track.length_unit, track.time_unit, track.name, track.n_interpolated) == ("m", "s", "trip", 1)
+    assert (track.length_unit, track.time_unit, track.name, track.n_interpolated) == ("m", "s", "trip, reversed", 1)
     assert track.notes[0] == "a note"
     assert "backwards" in track.notes[1]
     assert "180°" in track.notes[1]

@@ -1,7 +1,9 @@
 """The command line: thin, one function for each command."""
 
 import gc
+import math
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -12,7 +14,7 @@ import typer
 
 from insectnav.checks import InputError
 
-INTERRUPTED = 130  # exit code, as of shells
+INTERRUPTED, TERMINATED = 130, 143  # exit codes, as of shells
 
 app = typer.Typer(
     name="insectnav",
@@ -88,7 +90,8 @@ def home(
             trip = recorded_trip(recorded.reversed() if reverse else recorded, steps_per_unit)
         elif reverse or steps_per_unit is not None:
             raise InputError("--reverse and --steps-per-unit need a track, but none was given")
-        folder = Path(out if out is not None else f"out/{Path(track).stem if track else 'random-trip'}")
+        name = (Path(track).stem + "-reversed" * reverse) if track else "random-trip"
+        folder = Path(out if out is not None else f"out/{name}")
         check_destination(folder)
         with _progress_bar(trials, "ways home") as advance:
             result = run(trip if track else random_trip(seed), params, folder, figure, advance)
@@ -99,17 +102,23 @@ def _in_words(result: dict[str, Any], folder: Path) -> str:
     """What a person wants to know of a way home."""
     scale, measures = result["scale"], result["results"]
     unit = {"step": "steps", "unit": "units"}.get(scale["length_unit"], scale["length_unit"])
-    closest, error = measures["closest_distance"], measures["decoded_bearing_error_absolute"]
-    found, straightness = measures["came_within_search_radius"], measures["straightness"]
+
+    def show(quantity: str, statistic: str = "mean", digits: int = 3, times: float = 1.0) -> str:
+        value = measures[quantity][statistic] * times
+        return f"{value:.{digits}g}" if math.isfinite(value) else "–"
+
+    closest = {name: show("closest_distance", name) for name in ("mean", "median", "sd", "p90")}
     lines = [
         f"{result['name']}: {scale['outbound_steps']} steps out, {scale['homing_steps']} home; "
         f"{scale['steps_per_length_unit']:.4g} steps per {scale['length_unit']}; heading: {result['heading']}",
-        f"turning point         {measures['distance_of_turning_point']['mean']:.4g} {unit} from the nest",
-        f"closest distance      mean {closest['mean']:.3g}, median {closest['median']:.3g}, SD {closest['sd']:.3g}, "
-        f"90th percentile {closest['p90']:.3g} {unit} (n = {closest['n']})",
-        f"within {scale['search_radius']:.3g} {unit} of nest  {100 * found['mean']:.0f} % of the trials",
-        f"decoded home vector   {error['mean']:.3g}° off, {measures['decoded_over_true_length']['mean']:.3g} × as long",
-        f"straightness          {straightness['mean']:.3g}, tortuosity {measures['tortuosity']['mean']:.4g}",
+        f"turning point         {show('distance_of_turning_point', digits=4)} {unit} from the nest",
+        f"closest distance      mean {closest['mean']}, median {closest['median']}, SD {closest['sd']}, "
+        f"90th percentile {closest['p90']} {unit} (n = {measures['closest_distance']['n']})",
+        f"found the nest        {show('came_within_search_radius', times=100)} % of the trials "
+        f"(came within {scale['search_radius']:.3g} {unit})",
+        f"decoded home vector   {show('decoded_bearing_error_absolute')}° off, "
+        f"{show('decoded_over_true_length')} × as long",
+        f"straightness          {show('straightness')}, tortuosity {show('tortuosity', digits=4)}",
     ]
     lines += [f"note: {note}" for note in result["notes"]]
     return "\n".join([*lines, f"figure, table and data: {folder}"])
@@ -155,6 +164,7 @@ def program() -> None:
     Collecting garbage during the imports and taking the interpreter apart at the end would take a fifth of the time.
     """
     gc.disable()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))  # so that temporary folders are removed
     try:
         main()
     except SystemExit as exit_:

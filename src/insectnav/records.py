@@ -90,6 +90,7 @@ class Track:
             time=self.time[-1] - self.time[::-1],
             position=self.position[::-1],
             heading=heading,
+            name=f"{self.name}, reversed",
             notes=(*self.notes, note),
         )
 

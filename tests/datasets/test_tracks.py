@@ -164,9 +164,9 @@ def test_what_is_no_track_is_refused_in_one_sentence(content, words):
             {"heading_convention": "maths"},
             "heading convention 'maths' is unknown: expected one of compass, math (did you mean math?)",
         ),
-        ({"max_gap_s": -1}, "max_gap_s is -1, expected at least 0 s"),
-        ({"max_gap_s": np.nan}, "max_gap_s is nan"),
-        ({"max_gap_samples": 1.5}, "max_gap_samples is 1.5, expected a whole number of at least 0"),
+        ({"max_gap_s": -1}, "longest gap to fill is -1, expected at least 0 s"),
+        ({"max_gap_s": np.nan}, "longest gap to fill is nan"),
+        ({"max_gap_samples": 1.5}, "longest gap to fill in samples is 1.5, expected a whole number of at least 0"),
     ],
 )
 def test_bad_options_are_refused(tmp_path, options, words):

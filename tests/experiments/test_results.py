@@ -34,7 +34,7 @@ def tree(folder: Path) -> dict[str, bytes | None]:
 def leave_results(destination: Path, text: str = "first") -> None:
     with results_folder(destination) as folder:
         (folder / PROVENANCE).write_text("{}")
-        (folder / f"{text}.txt").write_text(text)
+        (folder / "table.csv").write_text(text)
 
 
 # The folder.
@@ -56,7 +56,7 @@ def test_folder_appears_when_all_is_done(name: str, tmp_path: Path):
 def test_relative_destination_is_below_the_working_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     leave_results("out/walk")
-    assert (tmp_path / "out" / "walk" / "first.txt").is_file()
+    assert (tmp_path / "out" / "walk" / "table.csv").is_file()
 
 
 def test_working_folder_may_change_meanwhile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -91,15 +91,24 @@ def test_earlier_results_outlive_what_fails(failure: type[BaseException], tmp_pa
 def test_earlier_results_are_replaced_as_a_whole(tmp_path: Path):
     leave_results(tmp_path / "out", "first")
     with results_folder(tmp_path / "out") as folder:
-        (folder / "second.txt").write_text("second")
-        assert (tmp_path / "out" / "first.txt").is_file()  # until the end
-    assert tree(tmp_path) == {"out": None, "out/second.txt": b"second"}
+        (folder / "table.csv").write_text("second")
+        assert (tmp_path / "out" / "table.csv").read_text() == "first"  # until the end
+    assert tree(tmp_path) == {"out": None, "out/table.csv": b"second"}
+
+
+def test_results_among_other_files_are_not_replaced(tmp_path: Path):
+    leave_results(tmp_path / "out")
+    (tmp_path / "out" / "notes.txt").write_text("mine")
+    before = tree(tmp_path)
+    with pytest.raises(InputError, match=r"holds other files, such as 'notes.txt', expected"):
+        leave_results(tmp_path / "out", "second")
+    assert tree(tmp_path) == before
 
 
 def test_empty_folder_is_filled(tmp_path: Path):
     (tmp_path / "out").mkdir()
     leave_results(tmp_path / "out")
-    assert sorted(tree(tmp_path / "out")) == ["first.txt", PROVENANCE]
+    assert sorted(tree(tmp_path / "out")) == [PROVENANCE, "table.csv"]
 
 
 def test_earlier_results_come_back_if_they_cannot_be_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -130,7 +139,7 @@ def test_link_to_a_folder_stays_a_link(tmp_path: Path):
     (tmp_path / "out").symlink_to("real")
     leave_results(tmp_path / "out")
     leave_results(tmp_path / "out", "second")
-    assert (tmp_path / "out" / "second.txt").is_file()
+    assert (tmp_path / "out" / "table.csv").read_text() == "second"
     assert sorted(os.listdir(tmp_path)) == ["out", "real"]
     assert (tmp_path / "out").is_symlink()
 
@@ -139,14 +148,14 @@ def test_working_folder_is_filled_and_not_pulled_away(tmp_path: Path, monkeypatc
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
     leave_results(".")
-    assert sorted(os.listdir()) == ["first.txt", PROVENANCE]  # as a shell that stands here sees it
+    assert sorted(os.listdir()) == [PROVENANCE, "table.csv"]  # as a shell that stands here sees it
 
 
 @pytest.mark.parametrize(
     ("name", "words"),
     [
         ("file", "is a file, expected a folder or a new name"),
-        ("foreign", "holds other files, expected a new name or a folder of earlier results"),
+        ("foreign", "holds other files, such as 'thesis.txt', expected a new name or a folder of results alone"),
         ("file/below", "cannot be written"),
         ("file/far/below", "cannot be written"),
         ("a" * 300, "cannot be written (File name too long)"),

@@ -178,7 +178,7 @@ def test_distance_left_by_hand(path: np.ndarray, left: float):
 def test_distance_left_on_half_a_circle_is_a_chord():
     # After path length L on a circle of radius L / 2, π − 2 rad are left: their chord is L sin(π / 2 − 1) = L cos 1.
     assert distance_left(semicircle())[0] == pytest.approx(math.cos(1.0), abs=1e-3)
-    assert tortuosity(semicircle()) == pytest.approx(1.0 / (1.0 - math.cos(1.0)), abs=5e-3)
+    assert tortuosity(distance_left(semicircle())) == pytest.approx(1.0 / (1.0 - math.cos(1.0)), abs=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -193,23 +193,23 @@ def test_distance_left_on_half_a_circle_is_a_chord():
 )
 def test_path_too_short_or_without_a_way_has_no_straightness(path: np.ndarray):
     np.testing.assert_array_equal(distance_left(path), [np.nan])
-    assert math.isnan(tortuosity(path))
+    assert math.isnan(tortuosity(distance_left(path)))
 
 
 def test_tortuosity_takes_the_mean_over_trials_first():
     paths = np.concatenate([straight(10.0, 0.0, 10), straight(10.0, 30.0, 10), straight(10.0, 9.0, 10)])
     np.testing.assert_array_equal(distance_left(paths), [0.0, 1.0, np.nan])
-    assert tortuosity(paths) == 1.0 / (1.0 - 0.5)
-    assert tortuosity(paths[:1]) == 1.0
+    assert tortuosity(distance_left(paths)) == 1.0 / (1.0 - 0.5)
+    assert tortuosity(distance_left(paths[:1])) == 1.0
 
 
 def test_tortuosity_of_agents_that_come_no_nearer_is_infinite():
-    assert tortuosity(straight(10.0, 30.0, 20)) == math.inf
+    assert tortuosity(distance_left(straight(10.0, 30.0, 20))) == math.inf
 
 
 def test_no_trials_have_no_tortuosity():
     assert distance_left(np.zeros((0, 5, 2))).shape == (0,)
-    assert math.isnan(tortuosity(np.zeros((0, 5, 2))))
+    assert math.isnan(tortuosity(distance_left(np.zeros((0, 5, 2)))))
 
 
 @pytest.mark.parametrize("shape", [(5, 2), (3, 5, 3), (2, 2, 5, 2), (2,)])
@@ -245,5 +245,5 @@ def test_arguments_are_left_as_they_are():
     paths = wandering(1)
     before = paths.copy()
     distance_left(paths)
-    tortuosity(paths)
+    tortuosity(distance_left(paths))
     np.testing.assert_array_equal(paths, before)

@@ -90,7 +90,7 @@ def route_from_track(
         if (stretch := float(times[1] - times[0]) / interval) > 1.1:
             notes.append(f"a time step is {stretch:.3g} samples long, so that the memory can hold the track")
     else:
-        check_range("steps_per_unit", steps_per_unit, 1e-12, 1e12, f"steps per {track.length_unit}")
+        check_range("steps per unit", steps_per_unit, 1e-12, 1e12, f"steps per {track.length_unit}")
         slips = "raise --steps-per-unit", "lower --steps-per-unit"
         times = _even_times(track, HIGH_SPEED / steps_per_unit / top_speed, *slips)
     position = _position_at(track, times)

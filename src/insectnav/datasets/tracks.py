@@ -48,8 +48,8 @@ class ReadingParams:
 
     def __post_init__(self) -> None:
         check_choice("heading convention", self.heading_convention, HEADING_CONVENTIONS)
-        check_range("max_gap_s", self.max_gap_s, 0, np.inf, "s")
-        check_count("max_gap_samples", self.max_gap_samples, minimum=0)
+        check_range("longest gap to fill", self.max_gap_s, 0, np.inf, "s")
+        check_count("longest gap to fill in samples", self.max_gap_samples, minimum=0)
 
 
 def read_track(

@@ -30,7 +30,7 @@ RANDOM_STEPS = 1500  # thesis, Fig. 5a
 MAX_TRIALS = 1_000_000
 MAX_DRAWN = 100  # ways home in the figure
 POINTS_DRAWN = 750  # of each way home but the first
-MAX_SAMPLES = 1_000_000_000  # of all trials; 12 bytes each
+MAX_SAMPLES = 100_000_000  # of all trials: about 3 GB at the most
 SHOWN = ("tl", "cl1", "tb1", "tn2", "memory", "cpu4", "pontine", "cpu1")  # thesis, Fig. 5b
 
 
@@ -82,6 +82,11 @@ class Trip(NamedTuple):
     def turning_point(self) -> Reals:
         """Where the way home starts, seen from the nest, (2,) [steps]."""
         return self.velocity.sum(axis=0)
+
+    @property
+    def ends_at_nest(self) -> bool:
+        """True where the way home is shorter than a step, which has no direction worth the name."""
+        return bool(np.linalg.norm(self.turning_point) < 1.0)
 
 
 class Homing(NamedTuple):
@@ -172,8 +177,11 @@ def summarise(homing: Homing) -> list[dict[str, Any]]:
     trip, arrays = homing.trip, homing.arrays
     unit, per_unit = trip.length_unit, trip.steps_per_unit
     true_vector = np.broadcast_to(-trip.turning_point, homing.home_vector.shape)
+    if trip.ends_at_nest:
+        true_vector = np.full_like(true_vector, np.nan)  # there is no home vector to compare with
     error = np.degrees(bearing_error(homing.home_vector, true_vector))
     way_home = arrays.position[:, len(trip.heading) - 1 :]
+    left = np.full(len(way_home), np.nan) if trip.ends_at_nest else distance_left(way_home)
     measures = {
         "closest_distance": (unit, arrays.closest_distance / per_unit),
         "came_within_search_radius": ("share of trials", arrays.closest_distance <= SEARCH_RADIUS),
@@ -181,7 +189,7 @@ def summarise(homing: Homing) -> list[dict[str, Any]]:
         "decoded_bearing_error_absolute": ("deg", np.abs(error)),
         "decoded_length": (unit, np.linalg.norm(homing.home_vector, axis=-1) / per_unit),
         "decoded_over_true_length": ("1", length_ratio(homing.home_vector, true_vector)),
-        "straightness": ("1", 1.0 - distance_left(way_home)),
+        "straightness": ("1", 1.0 - left),
     }
     rows = [{"quantity": name, "unit": u, **summary(values)._asdict()} for name, (u, values) in measures.items()]
     blank = dict.fromkeys(("median", "sd", "p90"), float("nan"))
@@ -189,7 +197,7 @@ def summarise(homing: Homing) -> list[dict[str, Any]]:
     return [
         {"quantity": "distance_of_turning_point", "unit": unit, "mean": straight, **blank, "n": 1},
         *rows,
-        {"quantity": "tortuosity", "unit": "1", "mean": tortuosity(way_home), **blank, "n": rows[-1]["n"]},
+        {"quantity": "tortuosity", "unit": "1", "mean": tortuosity(left), **blank, "n": rows[-1]["n"]},
     ]
 
 
@@ -234,19 +242,25 @@ def report(homing: Homing, rows: list[dict[str, Any]], params: HomeParams) -> di
         "settings": {"preset": params.preset, "variant": params.variant, "trials": params.n_trials}
         | {"noise": params.noise, "seed": params.seed},
         "results": {row["quantity"]: {k: v for k, v in row.items() if k != "quantity"} for row in rows},
-        "notes": [*trip.notes, *_saturation(homing)],
+        "notes": [*trip.notes, *_notes(homing, rows)],
     }
 
 
-def _saturation(homing: Homing) -> list[str]:
-    memory = homing.arrays.memory_at_turn
-    saturated = float(np.mean((memory <= 0.0) | (memory >= 1.0)))
-    if saturated == 0.0:
-        return []
-    return [
-        f"{100.0 * saturated:.0f} % of the memory cells were saturated at the turning point, which shortens the home "
-        "vector: lower --steps-per-unit"
-    ]
+def _notes(homing: Homing, rows: list[dict[str, Any]]) -> list[str]:
+    """What the result itself makes worth saying."""
+    trip, memory, notes = homing.trip, homing.arrays.memory_at_turn, []
+    if trip.track.get("samples_interpolated"):
+        notes.append(f"{trip.track['samples_interpolated']} missing samples were interpolated or cut off at the ends")
+    if trip.ends_at_nest:
+        notes.append("the track ends where it started: cut it at the turning point, there is no way home to measure")
+    elif rows[-1]["n"] < len(memory):
+        notes.append(f"{len(memory) - rows[-1]['n']} ways home are too short to measure their straightness")
+    if saturated := float(np.mean((memory <= 0.0) | (memory >= 1.0))):
+        notes.append(
+            f"{100.0 * saturated:.0f} % of the memory cells were saturated at the turning point, which shortens the "
+            "home vector: try fewer --steps-per-unit"
+        )
+    return notes
 
 
 def run(

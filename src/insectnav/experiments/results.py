@@ -20,7 +20,10 @@ import numpy as np
 from insectnav import __version__
 from insectnav.checks import InputError, quoted
 
-PROVENANCE = "provenance.json"  # in every folder of results; a folder that has it may be replaced
+PROVENANCE = "provenance.json"  # in every folder of results
+RESULTS = frozenset(  # a folder of these and nothing else may be replaced
+    {PROVENANCE, "figure.png", "figure.pdf", "table.csv", "comparison.csv", "summary.json", "data.zarr"}
+)
 
 
 @contextmanager
@@ -62,8 +65,12 @@ def check_destination(destination: str | os.PathLike[str]) -> None:
     with _as_input_error(destination):
         if final.exists() and not final.is_dir():
             raise InputError(f"--out {shown} is a file, expected a folder or a new name")
-        if final.is_dir() and any(final.iterdir()) and not (final / PROVENANCE).is_file():
-            raise InputError(f"--out {shown} holds other files, expected a new name or a folder of earlier results")
+        others = {item.name for item in final.iterdir()} - RESULTS if final.is_dir() else set()
+        if others:
+            example = quoted(min(others))
+            raise InputError(
+                f"--out {shown} holds other files, such as {example}, expected a new name or a folder of results alone"
+            )
         existing = final.parent
         while not existing.exists():
             existing = existing.parent
@@ -99,13 +106,15 @@ def _replace(final: Path, temporary: Path) -> None:
 def _refill(final: Path, temporary: Path) -> None:
     """Exchange the contents of the folder the user stands in, which a new folder of the same name would leave empty.
 
-    Provenance goes first and comes last: a folder without it is no result.
+    Provenance comes last: a folder without it is no result.
     """
-    (final / PROVENANCE).unlink(missing_ok=True)
+    old = temporary.with_suffix(".old")
+    old.mkdir()
     for item in list(final.iterdir()):
-        shutil.rmtree(item) if item.is_dir() and not item.is_symlink() else item.unlink()
+        item.rename(old / item.name)
     for item in sorted(temporary.iterdir(), key=lambda item: item.name == PROVENANCE):
         item.rename(final / item.name)
+    shutil.rmtree(old, ignore_errors=True)
 
 
 def to_json(value: Any) -> str:

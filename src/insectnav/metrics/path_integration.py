@@ -39,8 +39,8 @@ def bearing_error(decoded: ArrayLike, true: ArrayLike) -> Reals:
     ----------
     decoded, true : (..., 2) arrays
     """
-    has_bearing = np.any(decoded, axis=-1) & np.any(true, axis=-1)
-    return np.where(has_bearing, wrap(bearing(decoded) - bearing(true)), np.nan)[()]
+    lengths = np.linalg.norm(decoded, axis=-1) * np.linalg.norm(true, axis=-1)
+    return np.where(lengths > 0.0, wrap(bearing(decoded) - bearing(true)), np.nan)[()]
 
 
 def length_ratio(decoded: ArrayLike, true: ArrayLike) -> Reals:
@@ -86,16 +86,13 @@ def distance_left(path: ArrayLike) -> Reals:
     return np.where(is_far_enough.any(axis=1), left, np.nan)
 
 
-def tortuosity(path: ArrayLike) -> float:
-    """L/C of Stone et al. 2017, Fig. 5e: 1 / (1 − mean over trials of `distance_left`); 1 is a straight line.
+def tortuosity(left: ArrayLike) -> float:
+    """L/C of Stone et al. 2017, Fig. 5e: 1 / (1 − mean share of the way left); 1 is a straight line.
 
     Parameters
     ----------
-    path : (trial, step, 2) array
-        Ways home, from the turning point on; the nest is at 0, 0.
+    left : (trial,) array
+        From `distance_left`; NaN are left out.
     """
-    left = distance_left(path)
-    left = left[np.isfinite(left)]
-    if left.size == 0:
-        return float("nan")
-    return float(1.0 / (1.0 - left.mean())) if left.mean() < 1.0 else float("inf")
+    mean = summary(left).mean
+    return float("inf") if mean >= 1.0 else 1.0 / (1.0 - mean)
