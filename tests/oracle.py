@@ -310,8 +310,8 @@ def decode(memory: Array, params: OracleParams) -> tuple[float, float]:
     Notes
     -----
     `F = sum_j s_j exp(-i j pi/4)`, bearing = -arg F: the published code returns arg F, its mirror image.
-    The fully holonomic memory rule stores half as much per step, so both the fully holonomic and the idealised
-    variant, which share it, have distance |F| / h; the others |F| / (2 h).
+    Where the memory multiplies flow and direction (fully holonomic, idealised, no pontine), cos² summed over eight
+    columns gives distance |F| / h; where it subtracts them, |F| / (2 h).
     """
     total = np.roll(memory[:8], 1) + np.roll(memory[8:], -1)
     first = np.fft.fft(total)[1]

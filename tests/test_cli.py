@@ -335,10 +335,9 @@ def until(condition: Callable[[], object], seconds: float) -> None:
 
 
 @NEEDS_POSIX
-@pytest.mark.parametrize(
-    ("kill", "options"), [(os.kill, ("--out", "result")), (os.killpg, ())], ids=["process", "its group, as by Ctrl-C"]
-)
-def test_interrupt_leaves_nothing_behind(kill: Callable, options: tuple, tmp_path: Path):
+@pytest.mark.parametrize("options", [(), ("--out", "result")])
+@pytest.mark.parametrize(("kill", "sent"), [(os.kill, "SIGINT"), (os.killpg, "SIGINT"), (os.kill, "SIGTERM")])
+def test_interrupt_leaves_nothing_behind(kill: Callable, sent: str, options: tuple, tmp_path: Path):
     (tmp_path / "walk.csv").write_text(walk())
     line = [sys.executable, "-m", "insectnav.cli", "home", "walk.csv", "--trials", "600", "--homing-steps", "100000"]
     process = subprocess.Popen(
@@ -350,13 +349,14 @@ def test_interrupt_leaves_nothing_behind(kill: Callable, options: tuple, tmp_pat
         until(lambda: list(tmp_path.rglob(".*.part")), 30.0)
         time.sleep(0.3)
         assert process.poll() is None
-        kill(process.pid, signal.SIGINT)
+        kill(process.pid, getattr(signal, sent))
         out, err = process.communicate(timeout=100.0)
         until(lambda: not is_running(process.pid), 10.0)
     finally:
         if is_running(process.pid):
             os.killpg(process.pid, signal.SIGKILL)
-    assert (process.returncode, out, err) == (130, "", "insectnav: interrupted, nothing written\n")
+    said = {"SIGINT": (130, "", "insectnav: interrupted, nothing written\n"), "SIGTERM": (143, "", "")}
+    assert (process.returncode, out, err) == said[sent]
     assert everything(tmp_path) == ["walk.csv"]
 
 
