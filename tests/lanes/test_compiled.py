@@ -99,6 +99,18 @@ def test_folder_is_the_users_own_by_default(setting: str | None, monkeypatch: py
     assert "insectnav" in folder.parts
 
 
+def test_kernel_runs_where_no_code_can_be_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setattr(compiled, "CACHE_FOLDER", str(tmp_path / "file" / "kernels"))
+
+    @compiled.kernel
+    def treble(x):
+        return 3 * x
+
+    assert treble(2) == 6
+    assert list(tmp_path.iterdir()) == [tmp_path / "file"]
+
+
 def test_kernel_is_written_to_that_folder_on_its_first_call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "CACHE_FOLDER", str(tmp_path / "kernels"))
 

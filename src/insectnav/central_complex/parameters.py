@@ -25,8 +25,8 @@ class CircuitParams:
 
     Notes
     -----
-    [1] Stone, thesis, chapter 5, Methods and Extended Data Fig. 6 (published as Stone et al. 2017, Current Biology 27:3069,
-    doi 10.1016/j.cub.2017.08.052); [2] the authors' public 2017 code, where the text does not give the value.
+    [1] T. Stone's thesis, chapter 5, Methods and Extended Data Fig. 6, published as Stone et al. 2017, Current Biology
+    27:3069, doi 10.1016/j.cub.2017.08.052; [2] the authors' public 2017 code, where the text does not give the value.
     """
 
     variant: str = "partially-holonomic"

@@ -34,6 +34,15 @@ def _cache_folder() -> str:
 CACHE_FOLDER = _cache_folder()
 
 
+def _can_keep_code() -> bool:
+    """Whether there is a folder for compiled code; where none can be made, each process compiles anew."""
+    try:
+        os.makedirs(CACHE_FOLDER, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(CACHE_FOLDER, os.W_OK)
+
+
 def kernel(function: Callable) -> Any:
     """Compile ``function`` on first call, without the interpreter lock, and keep the machine code on disk.
 
@@ -46,7 +55,7 @@ def kernel(function: Callable) -> Any:
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = CACHE_FOLDER
     try:
-        return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+        return numba.njit(cache=_can_keep_code(), nogil=True, error_model="numpy")(function)
     finally:
         numba.config.CACHE_DIR = before
 
