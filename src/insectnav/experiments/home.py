@@ -29,7 +29,7 @@ SEARCH_RADIUS = 20.0  # [steps] thesis, Ext. Data Fig. 8: the home range that co
 RANDOM_STEPS = 1500  # thesis, Fig. 5a
 MAX_TRIALS = 1_000_000
 MAX_DRAWN = 100  # ways home in the figure
-POINTS_DRAWN = 750  # of each way home but the first
+POINTS_DRAWN = 500  # of each way home but the first
 MAX_SAMPLES = 100_000_000  # of all trials: about 3 GB at the most
 SHOWN = ("tl", "cl1", "tb1", "tn2", "memory", "cpu4", "pontine", "cpu1")  # thesis, Fig. 5b
 

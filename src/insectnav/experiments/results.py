@@ -21,6 +21,7 @@ from insectnav import __version__
 from insectnav.checks import InputError, quoted
 
 PROVENANCE = "provenance.json"  # in every folder of results
+ONE_CHUNK = 2**25  # [byte] smaller arrays are not divided
 RESULTS = frozenset(  # a folder of these and nothing else may be replaced
     {PROVENANCE, "figure.png", "figure.pdf", "table.csv", "comparison.csv", "summary.json", "data.zarr"}
 )
@@ -164,8 +165,10 @@ def write_arrays(path: Path, arrays: Mapping[str, tuple], attributes: Mapping[st
 
     group = zarr.create_group(path, attributes=_plain(attributes))
     for name, (dimensions, values, *own_attributes) in arrays.items():
+        values = np.asarray(values)
         attrs = _plain(own_attributes[0]) if own_attributes else None
-        group.create_array(name, data=np.asarray(values), dimension_names=dimensions, attributes=attrs)
+        chunks: Any = values.shape if 0 < values.nbytes <= ONE_CHUNK else "auto"
+        group.create_array(name, data=values, chunks=chunks, dimension_names=dimensions, attributes=attrs)
     with warnings.catch_warnings():  # that the format of consolidated metadata may still change; xarray asks for it
         warnings.simplefilter("ignore", UserWarning)
         zarr.consolidate_metadata(group.store)
