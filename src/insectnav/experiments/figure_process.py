@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+HOME_FIGURE = "insectnav.experiments.home_figure"
+
+
 class FigureProcess:
     """A Python process that waits for data on its standard input, draws them and leaves figures in a folder.
 
@@ -87,6 +90,7 @@ def serve(draw: Callable[[Mapping[str, Any]], "Figure"]) -> None:
     # Kerning and ligatures are settled when text is drawn; to carry their tables over to the PDF takes half its time.
     drop_tables: list[str] = getattr(subset.Options, "_drop_tables_default", [])
     drop_tables += ["GDEF", "GPOS", "GSUB"]
+    _warm_up()
     folder, _, content = sys.stdin.buffer.read().partition(b"\0")
     with np.load(io.BytesIO(content), allow_pickle=False) as data:
         figure = draw({name: data[name][()] for name in data.files})
@@ -94,9 +98,22 @@ def serve(draw: Callable[[Mapping[str, Any]], "Figure"]) -> None:
     os._exit(0)  # the figures are written; taking the interpreter apart would only take time
 
 
+def _warm_up() -> None:
+    """Draw a figure of no use, so that fonts and writers are ready when the data come."""
+    from matplotlib.figure import Figure
+
+    from insectnav.experiments.figures import journal_style
+
+    with journal_style():
+        figure = Figure(figsize=(1.0, 1.0))
+        figure.add_subplot().set_title("0")
+        for kind in ("png", "pdf"):
+            figure.savefig(io.BytesIO(), format=kind)
+
+
 def _in_parallel(work: Callable[[str], None], first: str, second: str) -> None:
-    """Do two pieces of work, at the same time where a process can be forked."""
-    if not hasattr(os, "fork"):
+    """Do two pieces of work, at the same time where a process can safely be forked."""
+    if sys.platform != "linux":
         work(first)
         work(second)
     elif (other := os.fork()) == 0:

@@ -18,7 +18,7 @@ from insectnav.agents.simulation import TrialArrays, TrialParams, simulate_trial
 from insectnav.agents.trials import describe, split_recorded
 from insectnav.central_complex import PRESETS, VARIANTS, circuit_params, decode_home_vector
 from insectnav.checks import InputError, check_choice, check_count, check_range
-from insectnav.experiments.figure_process import FigureProcess
+from insectnav.experiments.figure_process import HOME_FIGURE, FigureProcess
 from insectnav.experiments.results import PROVENANCE, provenance, results_folder, to_json, write_arrays, write_table
 from insectnav.metrics.path_integration import bearing_error, distance_left, length_ratio, summary, tortuosity
 from insectnav.records import Track
@@ -289,7 +289,7 @@ def run(
         If the destination cannot be written.
     """
     started = time.perf_counter()
-    with results_folder(destination) as folder, figure or FigureProcess("insectnav.experiments.home_figure") as drawing:
+    with results_folder(destination) as folder, figure or FigureProcess(HOME_FIGURE) as drawing:
         homing = simulate(trip, params, progress)
         drawing.draw(figure_data(homing), folder)
         rows = summarise(homing)

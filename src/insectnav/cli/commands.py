@@ -1,12 +1,9 @@
-"""The command line: thin, one function for each command."""
+"""The commands: one function each, thin."""
 
-import gc
 import math
-import os
-import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,7 +11,7 @@ import typer
 
 from insectnav.checks import InputError
 
-INTERRUPTED, TERMINATED = 130, 143  # exit codes, as of shells
+INTERRUPTED = 130  # exit code, as of shells
 
 app = typer.Typer(
     name="insectnav",
@@ -41,6 +38,7 @@ def _commands(
 
 @app.command()
 def home(
+    context: typer.Context,
     track: Annotated[
         str | None, typer.Argument(help="CSV or TSV with time, x, y and perhaps heading; none: a random foraging trip.")
     ] = None,
@@ -72,9 +70,9 @@ def home(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
     """Fly the bee's path integrator along a track and let it steer home."""
-    from insectnav.experiments.figure_process import FigureProcess
+    from insectnav.experiments.figure_process import HOME_FIGURE, FigureProcess
 
-    with FigureProcess("insectnav.experiments.home_figure") as figure:  # first, since it takes longest to get ready
+    with context.obj or FigureProcess(HOME_FIGURE) as figure:  # first, since it takes longest to get ready
         from insectnav.datasets.tracks import ReadingParams, read_track
         from insectnav.experiments.home import HomeParams, random_trip, recorded_trip, run
         from insectnav.experiments.results import check_destination, to_json
@@ -138,10 +136,16 @@ def _progress_bar(total: int, description: str) -> Iterator[Callable[[int], None
         yield lambda n_finished: progress.advance(task, n_finished)
 
 
-def main() -> None:
-    """Run the command line; bad input ends with one sentence on stderr and exit code 2."""
+def run_command(figure: object = None) -> int:
+    """Run what the command line asks for and return the exit code; bad input ends with one sentence on stderr and 2.
+
+    Parameters
+    ----------
+    figure : FigureProcess, optional
+        For `insectnav home`, if it has been started already.
+    """
     try:
-        code = app(standalone_mode=False)
+        code = app(standalone_mode=False, obj=figure)
     except InputError as error:
         code = _refuse(str(error))
     except typer.TyperException as error:
@@ -150,29 +154,9 @@ def main() -> None:
         code = INTERRUPTED
     if code == INTERRUPTED:  # which is also how typer reports it
         print("insectnav: interrupted, nothing written", file=sys.stderr)
-    sys.exit(code if isinstance(code, int) else 0)
+    return code if isinstance(code, int) else 0
 
 
 def _refuse(sentence: str) -> int:
     print("insectnav:", " ".join(sentence.split()), file=sys.stderr)
     return 2
-
-
-def program() -> None:
-    """Run the command line as a program: `main` without what a short life does not need.
-
-    Collecting garbage during the imports and taking the interpreter apart at the end would take a fifth of the time.
-    """
-    gc.disable()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))  # so that temporary folders are removed
-    try:
-        main()
-    except SystemExit as exit_:
-        with suppress(OSError):  # a closed pipe
-            sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(exit_.code if isinstance(exit_.code, int) else 1)
-
-
-if __name__ == "__main__":
-    program()
