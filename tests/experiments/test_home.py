@@ -341,7 +341,7 @@ def test_figure_shows_what_it_says(homing: Homing):
     assert (paths.get_xlabel(), paths.get_ylabel(), paths.get_title(loc="left")) == ("x (m)", "y (m)", "walk")
     assert paths.get_aspect() == 1.0
     legend = " | ".join(text.get_text() for text in paths.get_legend().get_texts())
-    for words in ("n = 5", "outbound", "first way home", "home vector", "nest", "turning point"):
+    for words in ("n = 5", "outbound", "way home of trial 1", "home vector", "nest", "turning point"):
         assert words in legend
     assert f"search radius ({20.0 / homing.trip.steps_per_unit:.3g} m)" in legend
     (circle,) = paths.patches

@@ -63,7 +63,8 @@ def _draw_paths(axes: Axes, data: Mapping[str, Any]) -> None:
     axes.add_collection(LineCollection(ways_home, colors=COLOURS["sky"], linewidths=0.4, alpha=faint, zorder=1))
     shown = f"n = {n_trials}" if n_trials == n_drawn else f"{n_drawn} of {n_trials}"
     axes.plot([], [], color=COLOURS["sky"], linewidth=0.8, label=f"ways home ({shown})")
-    axes.plot(*first_way.T, color=COLOURS["blue"], linewidth=0.8, zorder=3, label="first way home")
+    # No fi or fl in the labels: their ligature would take a second font in the PDF, and as long again to write it.
+    axes.plot(*first_way.T, color=COLOURS["blue"], linewidth=0.8, zorder=3, label="way home of trial 1")
     axes.plot(*data["outbound"].T, color="0.25", linewidth=0.9, zorder=2, label="outbound")
     circle = Circle(tuple(nest), float(data["search_radius"]), fill=False, linestyle="--", linewidth=0.7, zorder=4)
     axes.add_patch(circle)
@@ -121,7 +122,7 @@ def _draw_activity(axes: Axes, bar_axes: Axes, data: Mapping[str, Any]) -> None:
     image = axes.imshow(picture, aspect="auto", interpolation="none", cmap=RATES, vmin=0.0, vmax=1.0, extent=extent)
     axes.axvline(n_outbound * time_per_step, color=COLOURS["orange"], linewidth=1.0)
     axes.text(n_outbound * time_per_step, -0.5, "turning point", ha="center", va="bottom", fontsize=6)
-    axes.set_title("activity in the first trial", loc="left", pad=10.0)
+    axes.set_title("activity in trial 1", loc="left", pad=10.0)
     axes.set_yticks([])
     axes.spines["left"].set_visible(False)
     axes.set_xlabel(f"time ({_plural(time_unit)})")
