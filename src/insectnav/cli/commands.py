@@ -91,9 +91,25 @@ def home(
         name = (Path(track).stem + "-reversed" * reverse) if track else "random-trip"
         folder = Path(out if out is not None else f"out/{name}")
         check_destination(folder)
+        if context.obj is not None:  # in a process of our own
+            _load_numba_alone()
         with _progress_bar(trials, "ways home") as advance:
             result = run(trip if track else random_trip(seed), params, folder, figure, advance)
     print(to_json(result | {"folder": str(folder)}) if as_json else _in_words(result, folder))
+
+
+def _load_numba_alone() -> None:
+    """Load numba without SciPy's linear algebra, which it looks for, and which takes a third of its time.
+
+    Compiled code can then not call BLAS. No kernel here does; it is left alone where others share the process.
+    """
+    hidden = "scipy.linalg"
+    if hidden not in sys.modules:
+        sys.modules[hidden] = None  # type: ignore[assignment]  # so that its import fails
+        try:
+            import numba.np.arraymath  # noqa: F401
+        finally:
+            del sys.modules[hidden]
 
 
 def _in_words(result: dict[str, Any], folder: Path) -> str:
