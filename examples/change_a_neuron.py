@@ -17,7 +17,7 @@ from matplotlib.patches import Circle
 
 from insectnav.agents import ClampCells, random_routes, run_trials
 from insectnav.central_complex import THESIS
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, journal_style
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, journal_style, save_figure
 
 N_ROUTES, N_STEPS, N_SHOWN, HOME_RANGE = 200, 1500, 30, 20.0
 SETTINGS = {"n_inbound": N_STEPS, "noise": 0.1, "seed": 2}  # the seed gives trial k the same noise in every circuit
@@ -83,5 +83,5 @@ with journal_style():
 
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "out/examples")
     folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / "change-a-neuron.png", dpi=200)
+    save_figure(figure, folder, "change-a-neuron")
 print(f"figure: {folder / 'change-a-neuron.png'}")

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from insectnav.angles import unit_vector
 from insectnav.central_complex import THESIS, Senses, decode_home_vector, initial_state, step
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, RATES, journal_style
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, RATES, journal_style, save_figure
 
 N_CIRCUITS, NOISE = 100, 0.1  # the circuits differ by their noise only
 SPEED, SIDE = 0.5, 120  # [steps per time step], [time steps]
@@ -81,5 +81,5 @@ with journal_style():
 
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "out/examples")
     folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / "step-by-step.png", dpi=200)
+    save_figure(figure, folder, "step-by-step")
 print(f"figure: {folder / 'step-by-step.png'}")

@@ -1,7 +1,6 @@
 """The plain reference circuit agrees with the published code's numbers and with the laws of the model."""
 
-import os
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -25,30 +24,19 @@ from oracle import (
     wrap,
 )
 
-REPOSITORY = Path(__file__).resolve().parents[1]
-GOLDEN = Path(os.environ.get("INSECTNAV_GOLDEN", REPOSITORY.parent / "shared" / "golden"))
 GOLDEN_VARIANTS = ("partially-holonomic", "fully-holonomic")
 GOLDEN_LAYERS = {name: name for name in RATES if name not in ("tl", "pontine")} | {"tl": "tl2"}
 N_OUTBOUND = 1500
 
 
-def load_golden(name: str) -> dict[str, np.ndarray]:
-    """Arrays of one golden file; skips the test where it is missing."""
-    path = GOLDEN / f"central_complex_{name}.npz"
-    if not path.exists():
-        pytest.skip(f"{path} is missing")
-    with np.load(path) as arrays:
-        return dict(arrays)
-
-
 @pytest.fixture(
     scope="module", params=[(v, r) for v in GOLDEN_VARIANTS for r in (1, 2)], ids=lambda p: f"{p[0]}-{p[1]}"
 )
-def golden_trial(request: pytest.FixtureRequest) -> tuple[dict, dict, OracleParams]:
+def golden_trial(request: pytest.FixtureRequest, golden: Callable) -> tuple[dict, dict, OracleParams]:
     """Our trial, the published code's, and the parameters of both."""
     variant, route = request.param
-    routes = load_golden("routes")
-    published = load_golden(variant.replace("-", "_"))
+    routes = golden("central_complex_routes")
+    published = golden(f"central_complex_{variant.replace('-', '_')}")
     prefix = f"r{route}_"
     published = {key.removeprefix(prefix): value for key, value in published.items() if key.startswith(prefix)}
     params = variant_params(variant, CODE_2017)
@@ -57,8 +45,8 @@ def golden_trial(request: pytest.FixtureRequest) -> tuple[dict, dict, OraclePara
 
 
 @pytest.mark.data
-def test_connection_matrices_are_the_published_ones() -> None:
-    for name, matrix in load_golden("weights").items():
+def test_connection_matrices_are_the_published_ones(golden: Callable) -> None:
+    for name, matrix in golden("central_complex_weights").items():
         np.testing.assert_allclose(WEIGHTS[name], matrix, rtol=0, atol=1e-15, err_msg=name)
 
 
@@ -98,8 +86,8 @@ def test_whole_way_home_is_the_published_one(golden_trial: tuple) -> None:
 
 @pytest.mark.data
 @pytest.mark.parametrize("route", [1, 2])
-def test_published_routes_follow_the_route_rule(route: int) -> None:
-    routes = load_golden("routes")
+def test_published_routes_follow_the_route_rule(route: int, golden: Callable) -> None:
+    routes = golden("central_complex_routes")
     heading, velocity = routes[f"heading_{route}"], routes[f"velocity_{route}"]
     forward = np.column_stack([np.sin(heading), np.cos(heading)])[1:]
     push = velocity[1:] / (1 - THESIS.drag) - velocity[:-1]

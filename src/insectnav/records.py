@@ -21,6 +21,11 @@ LENGTH_UNITS = ("m", "cm", "mm", "unit")
 TIME_UNITS = ("s", "frame")
 
 
+def plural_unit(unit: str) -> str:
+    """A unit of length or time as it stands after a number or on an axis."""
+    return {"step": "steps", "unit": "units", "frame": "frames"}.get(unit, unit)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Track:
     """Where an animal was, and when; arrays are read-only copies.

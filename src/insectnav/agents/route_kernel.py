@@ -1,13 +1,14 @@
 """Random outbound routes, compiled."""
 
 from insectnav.agents.motion_kernel import accelerate
+from insectnav.agents.turns import LARGEST_NORMAL
 from insectnav.lanes import LANES
 from insectnav.lanes.compiled import kernel, lane_function
 from insectnav.lanes.functions import wrap
 from insectnav.lanes.random import fetch_streams, next_words, normal_pair, uniform
 from insectnav.lanes.vector import address, fill, fma, load, store
 
-SERIES_SCALE = 2.0 / 6.8**2  # maps z² to −1…1: see turns.LARGEST_NORMAL
+SERIES_SCALE = 2.0 / LARGEST_NORMAL**2  # maps z² to 0…2, from which 1 is taken
 
 
 @lane_function

@@ -114,8 +114,10 @@ def _load_numba_alone() -> None:
 
 def _in_words(result: dict[str, Any], folder: Path) -> str:
     """What a person wants to know of a way home."""
+    from insectnav.records import plural_unit
+
     scale, measures = result["scale"], result["results"]
-    unit = {"step": "steps", "unit": "units"}.get(scale["length_unit"], scale["length_unit"])
+    unit = plural_unit(scale["length_unit"])
 
     def show(quantity: str, statistic: str = "mean", digits: int = 3, times: float = 1.0) -> str:
         value = measures[quantity][statistic] * times

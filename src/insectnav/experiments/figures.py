@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SINGLE_COLUMN = 3.5  # [inch]
 DOUBLE_COLUMN = 7.2  # [inch]
 COLOURS = {  # Okabe & Ito (2008), Color Universal Design
     "black": "#000000",

@@ -216,7 +216,6 @@ def figure_data(homing: Homing) -> dict[str, Any]:
         "n_trials": len(homing.arrays.position),
         "search_radius": SEARCH_RADIUS / trip.steps_per_unit,
         "home_vector": homing.home_vector / trip.steps_per_unit,
-        "noise": homing.params.noise,
         "time_per_step": trip.time_per_step,
         "time_unit": trip.time_unit,
         **{f"activity_{name}": cells for name, cells in homing.activity.items()},

@@ -9,6 +9,7 @@ import numpy as np
 
 from insectnav.experiments.figure_process import serve
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, RATES, journal_style
+from insectnav.records import plural_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +55,7 @@ def _draw_paths(axes: Axes, data: Mapping[str, Any]) -> None:
     from matplotlib.collections import LineCollection
     from matplotlib.patches import Circle
 
-    unit = _plural(str(data["unit"]))
+    unit = plural_unit(str(data["unit"]))
     radius = f"{float(data['search_radius']):.3g} {unit}"
     nest, turn = data["nest"], data["outbound"][-1]
     ways_home, first_way = data["homing"], data["first_homing"]
@@ -68,28 +69,22 @@ def _draw_paths(axes: Axes, data: Mapping[str, Any]) -> None:
     axes.plot(*data["outbound"].T, color="0.25", linewidth=0.9, zorder=2, label="outbound")
     circle = Circle(tuple(nest), float(data["search_radius"]), fill=False, linestyle="--", linewidth=0.7, zorder=4)
     axes.add_patch(circle)
-    axes.plot(*nest, marker="o", color="white", markeredgecolor="black", markersize=4.5, zorder=5, linestyle="none")
-    axes.plot(*turn, marker="s", color=COLOURS["orange"], markersize=3.5, zorder=5, linestyle="none")
     vector = np.mean(data["home_vector"], axis=0)
     arrow = {"arrowstyle": "-|>", "color": COLOURS["red"], "linewidth": 1.2, "shrinkA": 0.0, "shrinkB": 0.0}
     axes.annotate("", xy=tuple(turn + vector), xytext=tuple(turn), arrowprops=arrow, zorder=6)
     axes.update_datalim([turn + vector, nest + data["search_radius"], nest - data["search_radius"]])
-    axes.autoscale_view()
     axes.plot([], [], color=COLOURS["red"], linewidth=1.2, label="decoded home vector (mean)")
-    axes.plot(
-        [], [], marker="o", color="white", markeredgecolor="black", markersize=4.5, linestyle="none", label="nest"
-    )
+    dot: dict[str, Any] = {"marker": "o", "color": "white", "markeredgecolor": "black", "markersize": 4.5, "zorder": 5}
+    axes.plot(*nest, **dot, linestyle="none", label="nest")
     axes.plot([], [], color="black", linewidth=0.7, linestyle="--", label=f"search radius ({radius})")
-    axes.plot([], [], marker="s", color=COLOURS["orange"], markersize=3.5, linestyle="none", label="turning point")
+    square: dict[str, Any] = {"marker": "s", "color": COLOURS["orange"], "markersize": 3.5, "zorder": 5}
+    axes.plot(*turn, **square, linestyle="none", label="turning point")
+    axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(f"x ({unit})")
     axes.set_ylabel(f"y ({unit})")
     axes.set_title(_shorten_name(str(data["name"])), loc="left", pad=10.0)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, handlelength=1.6, columnspacing=1.2)
-
-
-def _plural(unit: str) -> str:
-    return {"step": "steps", "unit": "units", "frame": "frames"}.get(unit, unit)
 
 
 def _draw_activity(axes: Axes, bar_axes: Axes, data: Mapping[str, Any]) -> None:
@@ -125,7 +120,7 @@ def _draw_activity(axes: Axes, bar_axes: Axes, data: Mapping[str, Any]) -> None:
     axes.set_title("activity in trial 1", loc="left", pad=10.0)
     axes.set_yticks([])
     axes.spines["left"].set_visible(False)
-    axes.set_xlabel(f"time ({_plural(time_unit)})")
+    axes.set_xlabel(f"time ({plural_unit(time_unit)})")
     bar = axes.figure.colorbar(image, cax=bar_axes)
     bar.set_label("rate / highest of the population")
 
