@@ -1,1 +1,49 @@
-"""Experiments: simulate, summarise, draw, and leave everything in a folder."""
+"""Experiments: simulate, summarise, draw, compare with what was published, and leave everything in a folder."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, cast
+
+from insectnav.checks import check_choice
+
+if TYPE_CHECKING:
+    from insectnav.experiments.experiment import Experiment
+
+_STONE_2017 = "insectnav.experiments.stone2017_path_integration"
+_MODULES = {
+    "stone2017-fig-4h": f"{_STONE_2017}.fig_4h",
+    "stone2017-fig-5a": f"{_STONE_2017}.fig_5a",
+    "stone2017-fig-5b": f"{_STONE_2017}.fig_5b",
+    "stone2017-fig-5c": f"{_STONE_2017}.fig_5c",
+    "stone2017-fig-5d": f"{_STONE_2017}.fig_5d",
+    "stone2017-fig-5e": f"{_STONE_2017}.fig_5e",
+    "stone2017-ed-6": f"{_STONE_2017}.ed_6",
+    "stone2017-ed-7": f"{_STONE_2017}.ed_7",
+    "stone2017-ed-8": f"{_STONE_2017}.ed_8",
+    "stone2017-ed-9a": f"{_STONE_2017}.ed_9a",
+    "stone2017-ed-9bcd": f"{_STONE_2017}.ed_9bcd",
+    "stone2017-ed-10abc": f"{_STONE_2017}.ed_10abc",
+    "stone2017-ed-10def": f"{_STONE_2017}.ed_10def",
+    "stone2017-detours": f"{_STONE_2017}.detours",
+    "stone2017-search": f"{_STONE_2017}.search",
+    "stone2017-waggle-dance": f"{_STONE_2017}.waggle_dance",
+    "stone2017-migration": f"{_STONE_2017}.migration",
+    "stone2017-vector-navigation": f"{_STONE_2017}.vector_navigation",
+    "stone2017-physiology": f"{_STONE_2017}.physiology",
+}
+
+
+def names() -> tuple[str, ...]:
+    """Names of all experiments, by paper and in the order of its figures."""
+    return tuple(_MODULES)
+
+
+def load(name: str) -> "Experiment":
+    """The experiment of that name: a module with the functions of `insectnav.experiments.experiment.Experiment`.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    check_choice("experiment", name, names())
+    return cast("Experiment", import_module(_MODULES[name]))

@@ -23,7 +23,7 @@ from insectnav.checks import InputError, quoted
 PROVENANCE = "provenance.json"  # in every folder of results
 ONE_CHUNK = 2**25  # [byte] smaller arrays are not divided
 RESULTS = frozenset(  # a folder of these and nothing else may be replaced
-    {PROVENANCE, "figure.png", "figure.pdf", "table.csv", "comparison.csv", "summary.json", "data.zarr"}
+    {PROVENANCE, "figure.png", "figure.pdf", "caption.txt", "table.csv", "comparison.csv", "summary.json", "data.zarr"}
 )
 
 
@@ -45,7 +45,7 @@ def results_folder(destination: str | os.PathLike[str]) -> Iterator[Path]:
     try:
         yield temporary
         with _as_input_error(destination):
-            _replace(final, temporary)
+            replace_folder(final, temporary)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
         for parent in new_parents:
@@ -87,7 +87,7 @@ def _as_input_error(destination: str | os.PathLike[str]) -> Iterator[None]:
         raise InputError(f"--out {quoted(destination, limit=200)} cannot be written ({error.strerror})") from None
 
 
-def _replace(final: Path, temporary: Path) -> None:
+def replace_folder(final: Path, temporary: Path) -> None:
     """Rename to the final name; what is there is renamed first, and comes back if that fails."""
     if not final.exists():
         temporary.rename(final)
@@ -120,27 +120,31 @@ def _refill(final: Path, temporary: Path) -> None:
 
 def to_json(value: Any) -> str:
     """Strict JSON, indented: NumPy numbers as numbers, NaN and infinity as null."""
-    return json.dumps(_plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    return json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """The same as what JSON knows: lists, text, numbers; NaN and infinity as None."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.generic):
-        return _plain(value.item())
+        return plain(value.item())
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
 
 
-def write_table(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Rows with the same keys as CSV; numbers with six significant digits, NaN as an empty cell."""
+def write_table(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence[str] | None = None) -> None:
+    """Rows with the same keys as CSV; numbers with six significant digits, NaN as an empty cell.
+
+    Where there may be no rows, ``columns`` says what they would have had.
+    """
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
+        writer = csv.DictWriter(file, fieldnames=list(columns or rows[0]))
         writer.writeheader()
         for row in rows:
             writer.writerow({key: _cell(value) for key, value in row.items()})
@@ -163,13 +167,20 @@ def write_arrays(path: Path, arrays: Mapping[str, tuple], attributes: Mapping[st
     """
     import zarr
 
-    group = zarr.create_group(path, attributes=_plain(attributes))
+    group = zarr.create_group(path, attributes=plain(attributes))
     for name, (dimensions, values, *own_attributes) in arrays.items():
         values = np.asarray(values)
-        attrs = _plain(own_attributes[0]) if own_attributes else None
+        attrs = plain(own_attributes[0]) if own_attributes else None
         chunks: Any = values.shape if 0 < values.nbytes <= ONE_CHUNK else "auto"
         group.create_array(name, data=values, chunks=chunks, dimension_names=dimensions, attributes=attrs)
-    with warnings.catch_warnings():  # that the format of consolidated metadata may still change; xarray asks for it
+    consolidate(group)
+
+
+def consolidate(group: Any) -> None:
+    """Gather the metadata of a complete zarr group in one place, where xarray looks for it."""
+    import zarr
+
+    with warnings.catch_warnings():  # that the format of consolidated metadata may still change
         warnings.simplefilter("ignore", UserWarning)
         zarr.consolidate_metadata(group.store)
 

@@ -96,3 +96,39 @@ def tortuosity(left: ArrayLike) -> float:
     """
     mean = summary(left).mean
     return float("inf") if mean >= 1.0 else 1.0 / (1.0 - mean)
+
+
+def departure_error(path: ArrayLike, radius: float) -> Reals:
+    """Angle from the direction of the nest to that of the point where a path leaves a circle round its start, (trial,).
+
+    Parameters
+    ----------
+    path : (trial, step, 2) array
+        Ways home, from the turning point on; the nest is at 0, 0.
+    radius : float
+        Of the circle, in the unit of the path.
+
+    Returns
+    -------
+    (trial,) array [rad] in [−π, π)
+        Positive clockwise; NaN where a path never leaves the circle or starts at the nest.
+
+    Notes
+    -----
+    Stone et al. 2017, Fig. 5d, with a radius of 20 steps. The crossing lies on the straight line between two samples.
+    """
+    path = np.asarray(path, float)
+    check_shape("path", path, ("trial", "step", 2))
+    start = path[:, :1]
+    away = path - start
+    is_outside = np.linalg.norm(away, axis=-1) >= radius
+    last = np.maximum(np.argmax(is_outside, axis=1), 1)
+    inside, outside = away[np.arange(len(path)), last - 1], away[np.arange(len(path)), last]
+    step = outside - inside
+    # |inside + share · step| = radius
+    a, b = np.sum(step**2, -1), np.sum(inside * step, -1)
+    c = np.sum(inside**2, -1) - radius**2
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = (-b + np.sqrt(b**2 - a * c)) / a
+    error = bearing_error(inside + share[:, None] * step, -start[:, 0])
+    return np.where(is_outside.any(axis=1), error, np.nan)
