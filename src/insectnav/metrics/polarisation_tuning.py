@@ -187,7 +187,7 @@ def polarisation_tuning(
     alpha: float = 0.05,
     bin_width_deg: float = 10.0,
     min_speed: float = np.deg2rad(10.0),
-    max_unevenness: float = 0.1,
+    max_bias: float = 0.25,
 ) -> PolarisationTuning:
     """Spike angles, Rayleigh test, histogram and tuning width for turns either way, and the shift between them.
 
@@ -197,9 +197,10 @@ def polarisation_tuning(
         As of `angle_histogram`.
     alpha : float
         Level of significance.
-    max_unevenness : float
-        How long the mean resultant vector of the time spent at each angle may be: 0 after whole turns at constant
-        speed. Uneven turns make the Rayleigh test find tuning where there is none.
+    max_bias : float
+        How much uneven turns may add to the Rayleigh statistic of an untuned cell, which is 1 on average: number of
+        spikes times squared length of the mean vector of the time spent at each angle, 0 after whole turns at constant
+        speed. A bias of 0.25 finds tuning in 9 of 100 untuned cells rather than in 5, one of 3 in 58.
 
     Raises
     ------
@@ -220,7 +221,7 @@ def polarisation_tuning(
             raise InputError(
                 f"{len(angles)} spikes fell in {name} turns, expected at least {MIN_ANGLES}: milliseconds?"
             )
-        _check_even(histogram, name, axial, max_unevenness)
+        _check_even(histogram, name, axial, max_bias)
         test = rayleigh_test(angles, axial=axial, alpha=alpha)
         turns[name] = TurnTuning(angles, test, histogram, float(tuning_width(histogram.rate, axial=axial)))
     shift = preference_shift(*(turn.test.mean_angle for turn in turns.values()), axial=axial)
@@ -236,15 +237,16 @@ def _half_crossing(onwards: Reals) -> Reals:
         return (step - (0.5 - after) / (before - after))[..., 0]
 
 
-def _check_even(histogram: AngleHistogram, name: str, axial: bool, max_unevenness: float) -> None:
-    """Refuse turns that did not spend about equal time at all angles."""
+def _check_even(histogram: AngleHistogram, name: str, axial: bool, max_bias: float) -> None:
+    """Refuse turns that spent so uneven a time at the angles that the Rayleigh test mistakes it for tuning."""
     time = histogram.time_spent
     if not time.all():
         missing = np.rad2deg(histogram.angle[np.argmin(time)])
         raise InputError(f"{name} turns leave out angles about {missing:.4g}°, expected at least one whole turn")
     unevenness = abs(np.exp((2j if axial else 1j) * histogram.angle) @ time) / time.sum()
-    if unevenness > max_unevenness:
+    bias = histogram.n_spikes.sum() * unevenness**2
+    if bias > max_bias:
         raise InputError(
-            f"{name} turns spend uneven time at the angles, mean vector {unevenness:.2g}, expected at most "
-            f"{max_unevenness:g}: turns cut short, or not at constant speed?"
+            f"{name} turns spend uneven time at the angles, which adds {bias:.2g} to the Rayleigh statistic, expected "
+            f"at most {max_bias:g}: turns cut short, or not at constant speed?"
         )
