@@ -1,6 +1,5 @@
 """The command as a user meets it: what it prints and writes, what it refuses, and what it leaves when interrupted."""
 
-import json
 import math
 import os
 import signal
@@ -10,14 +9,24 @@ import time
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
 from pathlib import Path
-from typing import NamedTuple
 from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
 import xarray
 
-from insectnav import __version__, cli
+from command_line import (
+    NEEDS_POSIX,
+    Outcome,
+    assert_refused,
+    command,
+    everything,
+    in_process,
+    is_running,
+    strict,
+    until,
+)
+from insectnav import __version__
 from insectnav.central_complex import PRESETS, VARIANTS
 from track_files import assert_one_sentence, changed, headed, rows, table
 
@@ -26,37 +35,14 @@ FILES = ["data.zarr", "figure.pdf", "figure.png", "provenance.json", "summary.js
 QUICK = ("--trials", "3", "--homing-steps", "150")
 ANTS = ["trackball_00", "trackball_07", "trackball_21"]
 ANTS += ["velox_ant01_route01", "velox_ant04_route14", "velox_ant12_route04"]
-NEEDS_POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and terminals as POSIX has them")
 NEST = (5.0, -3.0)
 HEADINGS = np.linspace(0.4, 1.6, 80)  # [rad] clockwise from +y, of the walk below
 
 
-class Outcome(NamedTuple):
-    code: int
-    out: str
-    err: str
-
-
-def command(folder: Path, *arguments: str) -> Outcome:
-    """The real command in a process of its own, its output read by a program."""
-    line = [sys.executable, "-m", "insectnav.cli", *arguments]
-    done = subprocess.run(line, cwd=folder, capture_output=True, encoding="utf-8", timeout=120, check=False)
-    return Outcome(done.returncode, done.stdout, done.stderr)
-
-
 @pytest.fixture
 def insectnav(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> Callable[..., Outcome]:
-    """The same in this process, which is faster; works in ``tmp_path``."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments: str) -> Outcome:
-        monkeypatch.setattr(sys, "argv", ["insectnav", *arguments])
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        return Outcome(ended.value.code, *capsys.readouterr())
-
-    return run
+    """The command in this process, which is faster; works in ``tmp_path``."""
+    return in_process(tmp_path, monkeypatch, capsys)
 
 
 @pytest.fixture
@@ -74,21 +60,6 @@ def walk(length_unit: str = "m", scale: float = 1.0, headings: str = "", values:
     if values is not None:
         cells, header = [[*row, f"{v:.9f}"] for row, v in zip(cells, values, strict=True)], f"{header},{headings}"
     return table(cells, header)
-
-
-def everything(folder: Path) -> list[str]:
-    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
-
-
-def strict(text: str) -> dict:
-    """The one JSON object that a text is, without NaN."""
-
-    def refuse(constant: str) -> None:
-        raise ValueError(constant)
-
-    value = json.loads(text, parse_constant=refuse)
-    assert isinstance(value, dict)
-    return value
 
 
 # Help.
@@ -282,15 +253,6 @@ SLIPS = {
 }  # fmt: skip
 
 
-def assert_refused(outcome: Outcome, words: str) -> str:
-    assert (outcome.code, outcome.out) == (2, "")
-    assert outcome.err.startswith("insectnav: ")
-    assert outcome.err.find("\n") == len(outcome.err) - 1
-    assert words in outcome.err
-    assert "Traceback" not in outcome.err
-    return outcome.err.removeprefix("insectnav: ").rstrip("\n")
-
-
 @pytest.mark.parametrize("options", [(), ("--json",)], ids=["words", "json"])
 @pytest.mark.parametrize(("line", "words"), BAD, ids=[line[:40] or "nothing" for line, _ in BAD])
 def test_bad_input_is_refused_in_one_sentence(
@@ -318,20 +280,6 @@ def test_refusal_by_the_real_command(tmp_path: Path):
 
 
 # Interrupted, watched.
-
-
-def is_running(group: int) -> bool:
-    with suppress(ProcessLookupError):
-        os.killpg(group, 0)
-        return True
-    return False
-
-
-def until(condition: Callable[[], object], seconds: float) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 @NEEDS_POSIX

@@ -1,0 +1,82 @@
+"""The command as a user meets it, for the tests of what it does."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from insectnav import cli
+
+NEEDS_POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and terminals as POSIX has them")
+
+
+class Outcome(NamedTuple):
+    code: int
+    out: str
+    err: str
+
+
+def command(folder: Path, *arguments: str) -> Outcome:
+    """The real command in a process of its own, its output read by a program."""
+    line = [sys.executable, "-m", "insectnav.cli", *arguments]
+    done = subprocess.run(line, cwd=folder, capture_output=True, encoding="utf-8", timeout=120, check=False)
+    return Outcome(done.returncode, done.stdout, done.stderr)
+
+
+def in_process(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> Callable[..., Outcome]:
+    """The same in this process, which is faster; works in ``folder``."""
+    monkeypatch.chdir(folder)
+
+    def run(*arguments: str) -> Outcome:
+        monkeypatch.setattr(sys, "argv", ["insectnav", *arguments])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        return Outcome(ended.value.code, *capsys.readouterr())
+
+    return run
+
+
+def everything(folder: Path) -> list[str]:
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+
+
+def strict(text: str) -> dict:
+    """The one JSON object that a text is, without NaN."""
+
+    def refuse(constant: str) -> None:
+        raise ValueError(constant)
+
+    value = json.loads(text, parse_constant=refuse)
+    assert isinstance(value, dict)
+    return value
+
+
+def assert_refused(outcome: Outcome, words: str) -> str:
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err.startswith("insectnav: ")
+    assert outcome.err.find("\n") == len(outcome.err) - 1
+    assert words in outcome.err
+    assert "Traceback" not in outcome.err
+    return outcome.err.removeprefix("insectnav: ").rstrip("\n")
+
+
+def is_running(group: int) -> bool:
+    with suppress(ProcessLookupError):
+        os.killpg(group, 0)
+        return True
+    return False
+
+
+def until(condition: Callable[[], object], seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
