@@ -10,7 +10,9 @@ import pytest
 import xarray
 
 import oracle
-from insectnav.agents import MotionParams, move, random_routes, run_trials
+from insectnav.agents import MotionParams, RouteParams, move, random_routes, run_trials
+from insectnav.agents.routes import route_arrays
+from insectnav.agents.simulation import TrialParams, simulate_trials
 from insectnav.central_complex import (
     N_CELLS,
     POPULATIONS,
@@ -129,6 +131,31 @@ def test_number_of_threads_does_not_change_a_bit(n_workers: int, whole: tuple, r
 def test_part_of_the_trials_runs_as_in_the_whole(trials: list, whole: tuple, routes: xarray.Dataset) -> None:
     expected, run = whole
     xarray.testing.assert_identical(run(routes.isel(trial=trials)), expected.isel(trial=trials))
+
+
+def test_routes_from_any_trial_on_are_those_of_the_whole() -> None:
+    for dtype in DTYPES:
+        whole = route_arrays(50, 130, RouteParams(), 7, dtype)
+        for first, n_trials in ((0, 50), (1, 16), (33, 17)):
+            part = route_arrays(n_trials, 130, RouteParams(), 7, dtype, first_trial=first)
+            for some, everything in zip(part, whole, strict=True):
+                np.testing.assert_array_equal(some, everything[first : first + n_trials])
+    with pytest.raises(InputError, match=r"^first_trial is -1, expected a whole number of at least 0"):
+        route_arrays(2, 10, RouteParams(), 7, first_trial=-1)
+
+
+def test_paths_that_are_not_kept_take_no_room_and_change_nothing_else(routes: xarray.Dataset) -> None:
+    options = {"circuit": circuit_params(), "motion": MotionParams(), "n_inbound": N_HOME, "noise": 0.1, "seed": 5}
+    heading, velocity = routes.heading.values, routes.velocity.values
+    kept, dropped = (
+        simulate_trials(heading, velocity, routes.trial.values, TrialParams(**options, record=["tb1"], keep_paths=keep))
+        for keep in (True, False)
+    )
+    assert (dropped.heading.shape, dropped.position.shape) == ((200, 0), (200, 0, 2))
+    for name in ("memory_at_turn", "closest_distance", "activity", "recorded_rows"):
+        np.testing.assert_array_equal(getattr(dropped, name), getattr(kept, name), err_msg=name)
+    closest = np.linalg.norm(kept.position[:, N_OUT - 1 :].astype(float), axis=-1).min(axis=1)
+    np.testing.assert_allclose(dropped.closest_distance, closest, rtol=1e-6)
 
 
 def test_more_trials_and_more_steps_change_none_of_the_first(whole: tuple) -> None:

@@ -91,13 +91,23 @@ def random_routes(
 
 
 def route_arrays(
-    n_trials: int, n_steps: int, params: RouteParams, seed: int, dtype: DTypeLike = "float64"
+    n_trials: int,
+    n_steps: int,
+    params: RouteParams,
+    seed: int,
+    dtype: DTypeLike = "float64",
+    *,
+    first_trial: int = 0,
 ) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
-    """Headings (trial, step) and velocities (trial, step, 2): `random_routes` without the names."""
+    """Headings (trial, step) and velocities (trial, step, 2): `random_routes` without the names.
+
+    From trial ``first_trial`` on: any part of the routes is as it is in the whole.
+    """
     from insectnav.agents.route_kernel import make_routes
 
     check_count("n_trials", n_trials)
     check_count("n_steps", n_steps)
+    check_count("first_trial", first_trial, minimum=0)
     dtype = check_precision("dtype", dtype)
     n_knots = max(4, n_steps // params.steps_per_knot if n_steps > 200 else 4)  # fewer do not make a cubic
     heading = np.empty((n_trials, n_steps), dtype)
@@ -105,7 +115,7 @@ def route_arrays(
     make_routes(
         0,
         n_trials,
-        trial_streams(seed, np.arange(n_trials), "routes"),
+        trial_streams(seed, first_trial + np.arange(n_trials), "routes"),
         von_mises_series(params.turn_concentration),
         n_knots,
         params.lowest_acceleration,

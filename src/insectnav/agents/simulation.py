@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from insectnav.agents.motion import MotionParams
-from insectnav.agents.perturbations import ClampCells, pack_clamps
+from insectnav.agents.perturbation_packing import new_notebook, own_weights, pack_disturbances
+from insectnav.agents.perturbations import Perturbation
 from insectnav.central_complex import POPULATIONS, CircuitParams
 from insectnav.central_complex.layers import N_ROWS, rows
 from insectnav.central_complex.packing import new_workspace, pack_circuit
@@ -48,7 +49,8 @@ class TrialParams:
     seed: int
     record: Collection[str] = ()
     dtype: DTypeLike = "float32"
-    perturbations: Sequence[ClampCells] = ()
+    perturbations: Sequence[Perturbation] = ()
+    keep_paths: bool = True  # without them, headings and positions have no steps: for very long trials
 
     def __post_init__(self) -> None:
         check_count("n_inbound", self.n_inbound, minimum=0)
@@ -79,6 +81,7 @@ class Motion(NamedTuple):
     memory_start: float
     acceleration: float
     drag: float
+    n_inbound: int
 
 
 def simulate_trials(
@@ -113,24 +116,25 @@ def simulate_trials(
         as_numbers("route heading", heading), as_numbers("route velocity", velocity), params.dtype
     )
     (n_trials, n_outbound), dtype = heading.shape, heading.dtype
-    recorded_rows = np.array([row for name in params.recorded for row in range(N_ROWS)[rows(name)]], np.int64)
-    n_steps = n_outbound + params.n_inbound
-    results = TrialArrays(
-        heading=np.empty((n_trials, n_steps), dtype),
-        position=np.empty((n_trials, n_steps, 2), dtype),
-        memory_at_turn=np.empty((n_trials, 16), dtype),
-        closest_distance=np.empty(n_trials, dtype),
-        activity=np.empty((n_trials, n_steps, recorded_rows.size), dtype),
-        recorded_rows=recorded_rows,
-    )
+    results = _empty_results(n_trials, n_outbound + params.n_inbound, params, dtype)
     streams = trial_streams(params.seed, trials, "circuit")
-    circuit = pack_circuit(params.circuit, params.noise, dtype)
-    motion = Motion(params.circuit.memory_start, params.motion.acceleration, params.motion.drag)
-    clamps = pack_clamps(params.perturbations, dtype)
+    memory_start = float(params.circuit.memory_start)
+    motion = Motion(memory_start, float(params.motion.acceleration), float(params.motion.drag), int(params.n_inbound))
+    circuit, disturbances = pack_disturbances(
+        params.perturbations,
+        pack_circuit(params.circuit, params.noise, dtype),
+        memory_start=memory_start,
+        n_outbound=n_outbound,
+        trials=trials,
+        seed=params.seed,
+    )
 
     def run_task(first: int) -> int:
         last, work = min(first + BLOCKS_PER_TASK * LANES, n_trials), new_workspace(dtype)
-        run_trials_kernel(first, last, heading, velocity, streams, circuit, motion, clamps, work, results)
+        own_circuit, notebook = own_weights(circuit, disturbances), new_notebook(disturbances, dtype)
+        run_trials_kernel(
+            first, last, heading, velocity, streams, own_circuit, motion, disturbances, work, notebook, results
+        )
         return last - first
 
     tasks = range(0, n_trials, BLOCKS_PER_TASK * LANES)
@@ -139,6 +143,19 @@ def simulate_trials(
             if progress is not None:
                 progress(n_finished)
     return results
+
+
+def _empty_results(n_trials: int, n_steps: int, params: TrialParams, dtype: DTypeLike) -> TrialArrays:
+    recorded_rows = np.array([row for name in params.recorded for row in range(N_ROWS)[rows(name)]], np.int64)
+    n_kept = n_steps if params.keep_paths else 0
+    return TrialArrays(
+        heading=np.empty((n_trials, n_kept), dtype),
+        position=np.empty((n_trials, n_kept, 2), dtype),
+        memory_at_turn=np.empty((n_trials, 16), dtype),
+        closest_distance=np.empty(n_trials, dtype),
+        activity=np.empty((n_trials, n_steps, recorded_rows.size), dtype),
+        recorded_rows=recorded_rows,
+    )
 
 
 def _check_routes(heading: Reals, velocity: Reals, dtype: DTypeLike) -> tuple[Reals, Reals]:

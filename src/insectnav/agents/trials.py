@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from insectnav.agents.motion import MotionParams
-from insectnav.agents.perturbations import ClampCells
+from insectnav.agents.perturbation_packing import describe_perturbation
+from insectnav.agents.perturbations import Perturbation
 from insectnav.agents.simulation import TrialArrays, TrialParams, simulate_trials
 from insectnav.central_complex import THESIS, CircuitParams, decode_home_vector
 from insectnav.central_complex.layers import N_CELLS
@@ -31,7 +32,7 @@ def run_trials(
     seed: int = 0,
     record: Collection[str] = (),
     dtype: DTypeLike = "float32",
-    perturbations: Sequence[ClampCells] = (),
+    perturbations: Sequence[Perturbation] = (),
     *,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
@@ -52,7 +53,7 @@ def run_trials(
         Adds their activity (trial, step, …); "motor" is the turn [rad]. Takes memory for every step and cell.
     dtype : {"float32", "float64"}
         float64 follows the published recursion to rounding, float32 is several times faster.
-    perturbations : sequence of ClampCells
+    perturbations : sequence of perturbations, any of `insectnav.agents.perturbations` and `insectnav.agents.obstacles`
     workers : int, optional
         Threads, by default one for each core. The result does not depend on it.
     progress : callable, optional
@@ -145,5 +146,5 @@ def describe(params: TrialParams) -> dict[str, Any]:
     description |= {"noise": noise, "seed": int(params.seed), "n_inbound": int(params.n_inbound)}
     return description | {
         "dtype": np.dtype(params.dtype).name,
-        "perturbations": [str(perturbation) for perturbation in params.perturbations],
+        "perturbations": [describe_perturbation(perturbation) for perturbation in params.perturbations],
     }

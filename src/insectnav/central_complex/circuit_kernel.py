@@ -41,12 +41,17 @@ def locate_circuit(circuit):
 def locate_workspace(work):
     """A work space with addresses in place of its arrays."""
     return Workspace(
-        address(work.rows), address(work.lateral), address(work.sample), address(work.stream), address(work.held)
+        address(work.rows),
+        address(work.lateral),
+        address(work.sample),
+        address(work.stream),
+        address(work.held),
+        address(work.flow),
     )
 
 
 @lane_function
-def advance_circuit(circuit, work, heading, velocity_x, velocity_y):
+def advance_circuit(circuit, work, heading, velocity_x, velocity_y, memory_gain):
     """Update all activities by one time step and return the turn [rad], positive to the right.
 
     Parameters
@@ -56,6 +61,8 @@ def advance_circuit(circuit, work, heading, velocity_x, velocity_y):
         TB1 and memory of the step before are read from its rows; all rows are replaced, and its streams move on.
     heading, velocity_x, velocity_y : lanes
         Heading in −π … π [rad] and velocity [steps per time step].
+    memory_gain : float [1/step]
+        That of the circuit, or 0 for a memory that does not change.
 
     Notes
     -----
@@ -81,9 +88,9 @@ def advance_circuit(circuit, work, heading, velocity_x, velocity_y):
         drive = synaptic_input(activity, wiring, CL1_TO_TB1 + cell, 0) - load(work.lateral, cell)
         set_rate(activity, held, TB1 + cell, respond(drive, constants.tb1_slope, constants.tb1_bias, constants))
 
-    sense_flow(activity, held, sine, cosine, velocity_x, velocity_y, constants)
+    sense_flow(work, sine, cosine, velocity_x, velocity_y, constants)
     for cell in range(16):
-        store(activity, MEMORY + cell, update_memory(activity, wiring, constants, cell))
+        store(activity, MEMORY + cell, update_memory(activity, wiring, constants, memory_gain, cell))
         drive = load(activity, MEMORY + cell)
         set_rate(activity, held, CPU4 + cell, respond(drive, constants.cpu4_slope, constants.cpu4_bias, constants))
     for cell in range(16):
@@ -156,11 +163,12 @@ def set_rate(activity, held, row, rate):
 
 
 @lane_function
-def sense_flow(activity, held, sine, cosine, velocity_x, velocity_y, constants):
+def sense_flow(work, sine, cosine, velocity_x, velocity_y, constants):
     """Rates of TN2 and TN1: flow along directions φ_TN to the right (0) and left (1) of the heading θ.
 
     flow = v · (sin(θ ± φ), cos(θ ± φ))
     """
+    activity, held = work.rows, work.held
     along = fma(velocity_x, sine, velocity_y * cosine)
     across = fma(velocity_x, cosine, -(velocity_y * sine))
     right = fma(along, constants.tn_cosine, across * constants.tn_sine)
@@ -168,6 +176,9 @@ def sense_flow(activity, held, sine, cosine, velocity_x, velocity_y, constants):
     if constants.is_flow_averaged:
         right = 0.5 * (right + left)
         left = right
+    if constants.flow_share < 1.0:
+        right = filter_flow(work.flow, 0, right, load(activity, TN2), constants)
+        left = filter_flow(work.flow, 1, left, load(activity, TN2 + 1), constants)
     set_rate(activity, held, TN2, right)
     set_rate(activity, held, TN2 + 1, left)
     set_rate(activity, held, TN1, fma(right, -0.5, 0.5))
@@ -175,7 +186,18 @@ def sense_flow(activity, held, sine, cosine, velocity_x, velocity_y, constants):
 
 
 @lane_function
-def update_memory(activity, wiring, constants, cell):
+def filter_flow(filtered, side, flow, noise, constants):
+    """Exponential moving average s of the flow on one side: s ← share · flow + (1 − share) · s.
+
+    In the authors' 2017 code the noise of TN2 is then added to s itself, and so stays in it.
+    """
+    flow = fma(flow, constants.flow_share, (1.0 - constants.flow_share) * load(filtered, side))
+    store(filtered, side, flow + noise if constants.is_filter_noisy else flow)
+    return flow
+
+
+@lane_function
+def update_memory(activity, wiring, constants, gain, cell):
     """Charge of one CPU4 cell after this step, between 0 and 1.
 
     inhibited-flow:      M + h · clip(TN2 − TB1, 0, 1) − h · k
@@ -185,7 +207,6 @@ def update_memory(activity, wiring, constants, cell):
     memory = load(activity, MEMORY + cell)
     forward = synaptic_input(activity, wiring, TN_TO_CPU4 + cell, 0)
     direction = synaptic_input(activity, wiring, TB1_TO_CPU4 + cell, 0)
-    gain = constants.memory_gain
     if constants.memory_rule == INHIBITED_FLOW:
         memory = fma(clip_to_unit(forward - direction), gain, memory - gain * constants.memory_loss)
     else:

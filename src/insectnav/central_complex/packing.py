@@ -39,6 +39,8 @@ class Constants(NamedTuple):
     tn_sine: float
     memory_gain: float
     memory_loss: float
+    flow_share: float  # of the present flow in what TN cells are given; 1 without a filter
+    is_filter_noisy: bool
 
 
 class Wiring(NamedTuple):
@@ -99,6 +101,8 @@ def pack_constants(params: CircuitParams, noise: NDArray[np.floating]) -> Consta
         "steering_rule": STEERING_RULES.index(params.steering_rule),
         "tn_cosine": float(np.cos(params.tn_preference)),
         "tn_sine": float(np.sin(params.tn_preference)),
+        "flow_share": 1.0,
+        "is_filter_noisy": False,
     }
     return Constants(**(same_name | computed))
 
@@ -150,6 +154,7 @@ class Workspace(NamedTuple):
     sample: NDArray[np.floating]  # (3, LANES)
     stream: NDArray[np.uint32]  # (4, LANES) random number generators
     held: NDArray[np.floating]  # (N_NOISY,) rates that cells are held at; negative for free cells
+    flow: NDArray[np.floating]  # (2, LANES) filtered flow, right and left
 
 
 def new_workspace(dtype: DTypeLike) -> Workspace:
@@ -160,4 +165,5 @@ def new_workspace(dtype: DTypeLike) -> Workspace:
         sample=empty_rows(3, dtype),
         stream=empty_rows(4, np.uint32),
         held=np.full(N_NOISY, -1.0, dtype),
+        flow=empty_rows(2, dtype),
     )

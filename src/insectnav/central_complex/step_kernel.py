@@ -27,7 +27,8 @@ def step_circuits(heading, velocity, tb1, memory, streams, activity, circuit_arr
                 rows[(TB1 + cell) * LANES + lane] = tb1[current, cell]
             for cell in range(16):
                 rows[(MEMORY + cell) * LANES + lane] = memory[current, cell]
-        advance_circuit(circuit, work, wrap(load(sample, 0)), load(sample, 1), load(sample, 2))
+        theta, gain = wrap(load(sample, 0)), circuit.constants.memory_gain
+        advance_circuit(circuit, work, theta, load(sample, 1), load(sample, 2), gain)
         for lane in range(n_here):
             for row in range(N_ROWS):
                 activity[first + lane, row] = rows[row * LANES + lane]
