@@ -5,19 +5,20 @@ from __future__ import annotations
 import importlib
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Any, NamedTuple, Protocol, cast
+from typing import Any, NamedTuple, NoReturn, cast
 
 from insectnav.checks import InputError, check_choice, check_count, quoted
+from insectnav.experiments.executors import Executor, executor
 from insectnav.experiments.experiment import (
     SCALES,
     Arrays,
     Experiment,
     Results,
+    cell_text,
     check_grid,
     code_version,
     paper_of,
@@ -32,91 +33,21 @@ from insectnav.experiments.results import (
     replace_folder,
     to_json,
     write_table,
+    written_to,
 )
 from insectnav.experiments.store import CellStore, locked
 
-WINDOW = 256  # cells handed out at a time: what waits for the disk is bounded
+__all__ = ["CellError", "OtherCodeError", "Outcome", "executor", "published_numbers", "run_cells", "run_experiment"]
+
+WINDOW = 1024  # cells handed out at a time: enough for a large cluster, and what waits for the disk is bounded
 
 
-class Executor(Protocol):
-    """Anything that runs functions elsewhere: a pool of `concurrent.futures`, a client of Dask."""
-
-    def submit(self, function: Callable, /, *arguments: Any) -> Any:
-        """A future with ``result()`` and ``add_done_callback()``."""
+class CellError(RuntimeError):
+    """A cell could not be simulated; its cause is the error that it raised."""
 
 
-class HereAndNow:
-    """An executor that runs everything in this process, at once."""
-
-    def submit(self, function: Callable, /, *arguments: Any) -> Any:
-        """A future that is done."""
-        from concurrent.futures import Future
-
-        future: Future = Future()
-        try:
-            future.set_result(function(*arguments))
-        except Exception as error:
-            future.set_exception(error)
-        return future
-
-
-@contextmanager
-def executor(workers: int | None = None, cluster: str | None = None) -> Iterator[Executor]:
-    """Processes on this machine, one for each core unless told otherwise, or a Dask cluster.
-
-    Parameters
-    ----------
-    workers : int, optional
-        Number of processes; 1 runs everything in the present one.
-    cluster : str, optional
-        Address of a Dask scheduler, such as "tcp://127.0.0.1:8786".
-
-    Raises
-    ------
-    InputError
-        If there is no such cluster, Dask is not installed, or both are given.
-    """
-    if workers is not None:
-        check_count("workers", workers)
-    if cluster is not None:
-        if workers is not None:
-            raise InputError("both workers and cluster are given, expected one: the cluster has workers of its own")
-        with _cluster(cluster) as client:
-            yield client
-    elif (workers or _n_cores()) == 1:
-        yield HereAndNow()
-    else:
-        import multiprocessing
-        from concurrent.futures import ProcessPoolExecutor
-
-        # Not forked: threads of compiled code do not survive that.
-        with ProcessPoolExecutor(workers or _n_cores(), multiprocessing.get_context("spawn")) as pool:
-            try:
-                yield pool
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
-
-
-@contextmanager
-def _cluster(address: str) -> Iterator[Executor]:
-    try:
-        from distributed import Client
-    except ImportError:
-        raise InputError("a cluster needs Dask, which is not installed: pip install insectnav[cluster]") from None
-    try:
-        client = Client(address, timeout=10, set_as_default=False)
-    except (OSError, ValueError) as error:
-        reason = type(error).__name__
-        raise InputError(
-            f"no Dask scheduler answers at {quoted(address)} ({reason}), expected as in tcp://host:8786"
-        ) from None
-    with client:
-        yield cast(Executor, client)
-
-
-def _n_cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+class OtherCodeError(InputError):
+    """A worker has another version of the code."""
 
 
 def simulate_cell(module: str, parameters: dict[str, Any], seed: int, version: str) -> Arrays:
@@ -124,12 +55,13 @@ def simulate_cell(module: str, parameters: dict[str, Any], seed: int, version: s
 
     Raises
     ------
-    InputError
+    OtherCodeError
         If this machine has another version of the code than the one that asks.
     """
     if code_version() != version:
-        raise InputError(
-            f"a worker has insectnav {code_version()}, expected {version} as here: install the same everywhere"
+        raise OtherCodeError(
+            f"a worker has insectnav {code_version()}, expected {version} as here: "
+            "installed differently there, or edited after it was started?"
         )
     experiment = cast(Any, importlib.import_module(module))
     return experiment.simulate(experiment.Cell(**parameters), seed)
@@ -154,29 +86,81 @@ def run_cells(
     on : Executor
     progress : callable, optional
         Called with the number of cells just finished.
+
+    Raises
+    ------
+    CellError
+        If a cell raises; cells that are done by then are kept, and the others are cancelled.
+    InputError
+        If a worker has other code, or the workers are lost.
     """
     finished = store.finished()
     if progress is not None:
         progress(len(finished))
     waiting = iter([index for index in range(len(cells)) if index not in finished])
-    done: SimpleQueue = SimpleQueue()
+    done: SimpleQueue[int] = SimpleQueue()
     running: dict[int, Any] = {}  # Dask forgets a result that nobody holds
 
     def hand_out() -> None:
-        for index in waiting:
+        while len(running) < getattr(on, "window", WINDOW):
+            if (index := next(waiting, None)) is None:
+                return
             future = on.submit(simulate_cell, experiment.__name__, asdict(cells[index]), seed, code_version())
             running[index] = future
             future.add_done_callback(lambda _, index=index: done.put(index))
-            if len(running) >= WINDOW:
-                return
 
-    hand_out()
-    while running:
-        index = done.get()
-        store.write(index, running.pop(index).result())
-        if progress is not None:
-            progress(1)
+    try:
         hand_out()
+        while running:
+            _keep(done.get(), running, cells, store)
+            if progress is not None:
+                progress(1)
+            hand_out()
+    except Exception:
+        _keep_rest(done, running, store)
+        raise
+    finally:
+        for future in running.values():
+            future.cancel()
+
+
+def _keep(index: int, running: dict[int, Any], cells: Sequence[Any], store: CellStore) -> None:
+    """Write a cell that is done, or tell why it has no results."""
+    from asyncio import CancelledError
+
+    try:
+        arrays = running.pop(index).result()
+    except (Exception, CancelledError) as error:
+        _raise_for_cell(f"cell {index + 1} of {len(cells)} ({cell_text(cells[index])})", error)
+    store.write(index, arrays)
+
+
+def _keep_rest(done: SimpleQueue[int], running: dict[int, Any], store: CellStore) -> None:
+    """Write what else is done when one cell has failed."""
+    while not done.empty():
+        index = done.get()
+        future = running.pop(index)
+        if not future.cancelled() and future.exception() is None:
+            store.write(index, future.result())
+
+
+def _raise_for_cell(cell: str, error: BaseException) -> NoReturn:
+    """Raise what is to be told of the failure of a cell."""
+    from asyncio import CancelledError as AsyncCancelledError
+    from concurrent.futures import BrokenExecutor, CancelledError
+
+    if isinstance(error, OtherCodeError):
+        raise error
+    if isinstance(error, BrokenExecutor):
+        raise InputError(
+            "a process that simulated cells was killed, expected it to live (out of memory?): "
+            "what is finished is kept, go on with --resume and fewer --workers"
+        ) from error
+    if isinstance(error, CancelledError | AsyncCancelledError):
+        raise InputError(
+            f"the cluster gave up {cell}, expected its scheduler to live: what is finished is kept, go on with --resume"
+        ) from error
+    raise CellError(f"{cell}: {type(error).__name__}: {error}") from error
 
 
 class Outcome(NamedTuple):
@@ -217,60 +201,90 @@ def run_experiment(
     Raises
     ------
     InputError
-        If the folder cannot be written, or holds an unfinished run that would be lost.
+        If the folder cannot be written, is being written by another run, or holds an unfinished run that would be lost.
+    CellError
+        If a cell raises.
     """
     started = time.perf_counter()
     check_choice("scale", scale, SCALES)
     check_count("seed", seed, minimum=0)
-    cells = experiment.grid(scale)
+    cells = list(experiment.grid(scale))
     check_grid(cells)
     key = results_key(experiment, cells, seed)
-    final, unfinished = out / name / key, out / name / f".{key}.unfinished"
-    if resume and (final / PROVENANCE).is_file():
-        return Outcome(final, read_verdicts(final / "comparison.csv"), 0.0, len(cells))
-    check_destination(final)
-    with locked(unfinished):
-        about = {
-            "experiment": name,
-            "paper": paper_of(experiment),
-            "figure": experiment.FIGURE,
-            "title": experiment.TITLE,
-            "scale": scale,
-            "seed": seed,
-            "cells": len(cells),
-            "key": key,
-            "code": code_version(),
-        }
-        store = CellStore(unfinished, cells, about)
-        n_finished = len(store.finished())
-        if n_finished and not resume:
-            raise InputError(
-                f"{quoted(unfinished, 200)} holds {n_finished} of {len(cells)} cells of an unfinished run: "
-                "add --resume to go on with it, or remove it"
-            )
-        run_cells(experiment, cells, seed, store, on, progress)
-        verdicts = _write_findings(unfinished, experiment, name, store.read())
-        seconds = time.perf_counter() - started
-        made = about | {"cells_from_earlier_run": n_finished} | provenance(seconds)
-        (unfinished / PROVENANCE).write_text(to_json(made) + "\n", encoding="utf-8")
-        store.seal()
-        replace_folder(final, unfinished)
-    return Outcome(final, verdicts, seconds, len(cells))
+    final = Path(os.path.realpath(out)) / name / key
+    with written_to(final):
+        final.parent.mkdir(parents=True, exist_ok=True)
+    with locked(final.with_name(f".{key}.lock")):
+        is_there = resume and (final / PROVENANCE).is_file()
+        if not is_there:
+            check_destination(final)
+            about = _about(experiment, name, scale=scale, seed=int(seed), cells=len(cells), key=key)
+            store = CellStore(final.with_name(f".{key}.unfinished"), cells, about)
+            _check_unfinished(store, resume)
+            _finish(experiment, store, on, progress, started)
+            with written_to(final):
+                replace_folder(final, store.folder)
+    seconds = 0.0 if is_there else time.perf_counter() - started
+    return Outcome(out / name / key, read_verdicts(final / "comparison.csv"), seconds, len(cells))
 
 
-def _write_findings(folder: Path, experiment: Experiment, name: str, results: Results) -> list[Verdict]:
+def _about(experiment: Experiment, name: str, **settings: Any) -> dict[str, Any]:
+    """What the results are of: attributes of the data, and the head of provenance.json."""
+    about = {"experiment": name, "paper": paper_of(experiment), "figure": experiment.FIGURE, "title": experiment.TITLE}
+    return about | settings | {"code": code_version()}
+
+
+def _check_unfinished(store: CellStore, resume: bool) -> None:
+    n_finished = len(store.finished())
+    if n_finished and not resume and not (store.folder / PROVENANCE).is_file():
+        raise InputError(
+            f"{quoted(store.folder, 200)} holds {n_finished} of {len(store.cells)} cells of an unfinished run: "
+            "add --resume to go on with it, or remove it"
+        )
+
+
+def _finish(
+    experiment: Experiment,
+    store: CellStore,
+    on: Executor,
+    progress: Callable[[int], None] | None,
+    started: float,
+) -> None:
+    """All that belongs in the folder, provenance last: with it the folder is complete and only lacks its name."""
+    if (store.folder / PROVENANCE).is_file():
+        store.forget_progress()
+        return
+    n_earlier = len(store.finished())
+    try:
+        run_cells(experiment, store.cells, store.about["seed"], store, on, progress)
+    except BaseException:
+        store.remove_if_empty()
+        raise
+    _write_findings(store.folder, experiment, store.about["experiment"], store.read())
+    store.complete()
+    made = store.about | {"cells_from_earlier_run": n_earlier} | provenance(time.perf_counter() - started)
+    with written_to(store.folder):
+        part = store.folder / f"{PROVENANCE}.part"
+        part.write_text(to_json(made) + "\n", encoding="utf-8")
+        part.rename(store.folder / PROVENANCE)
+    store.forget_progress()
+
+
+def _write_findings(folder: Path, experiment: Experiment, name: str, results: Results) -> None:
     """Table, figure, caption and comparison of complete results."""
     table = experiment.summarise(results)
-    write_table(folder / "table.csv", table)
     with journal_style():
         figure = experiment.draw(results)
-    save_figure(figure, folder)
-    (folder / "caption.txt").write_text(experiment.caption(results) + "\n", encoding="utf-8")
+    caption = experiment.caption(results)
     verdicts = list(experiment.compare(table, published_numbers(experiment, name)))
-    write_verdicts(folder / "comparison.csv", verdicts)
-    return verdicts
+    with written_to(folder):
+        write_table(folder / "table.csv", table)
+        save_figure(figure, folder)
+        (folder / "caption.txt").write_text(caption + "\n", encoding="utf-8")
+        write_verdicts(folder / "comparison.csv", verdicts)
 
 
 def published_numbers(experiment: Experiment, name: str) -> dict[str, Published]:
-    """What the paper says of an experiment, from the published.csv beside its module."""
-    return read_published(Path(experiment.__file__).with_name("published.csv"), name)
+    """What the paper says of an experiment, from the published.csv beside its module; nothing where there is none."""
+    path = Path(experiment.__file__).with_name("published.csv")
+    return read_published(path, name) if path.exists() else {}

@@ -2,7 +2,9 @@
 
 import csv
 import json
+import math
 import os
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +15,17 @@ from hypothesis import strategies as st
 
 from insectnav.checks import InputError
 from insectnav.experiments.results import (
+    ONE_CHUNK,
     PROVENANCE,
     check_destination,
+    chunk_shape,
     provenance,
+    replace_folder,
     results_folder,
     to_json,
     write_arrays,
     write_table,
+    written_to,
 )
 
 
@@ -186,6 +192,24 @@ def test_folder_without_permission_is_refused(tmp_path: Path):
         tmp_path.chmod(0o755)
 
 
+def test_what_a_killed_process_left_between_two_renames_is_no_hindrance(tmp_path: Path):
+    for is_there in (False, True):  # the old folder was already put aside
+        for name in ("new.part", "new.old"):
+            (tmp_path / name).mkdir()
+            (tmp_path / name / name).touch()
+        assert (tmp_path / "final").exists() == is_there
+        replace_folder(tmp_path / "final", tmp_path / "new.part")
+        assert tree(tmp_path) == {"final": None, "final/new.part": b""}
+
+
+def test_refusal_of_the_system_is_one_sentence():
+    told = r"^--out 'here' cannot be written \(No space left on device\)$"
+    with pytest.raises(InputError, match=told), written_to("here"):
+        raise OSError(28, "No space left on device")
+    with pytest.raises(KeyError), written_to("here"):
+        raise KeyError("another matter")
+
+
 def test_check_of_a_destination_makes_nothing(tmp_path: Path):
     check_destination(tmp_path / "deeper" / "out")
     assert tree(tmp_path) == {}
@@ -261,7 +285,37 @@ def test_table_can_be_read_back(tmp_path: Path):
     assert got[0]["unit"] == "µm"
 
 
+@pytest.mark.parametrize("rows", [[{"a": 1, "b": 2}, {"a": 1}], [{"a": 1}, {"a": 1, "b": 2}]])
+def test_row_with_other_columns_is_refused(rows: list, tmp_path: Path):
+    with pytest.raises(ValueError, match=r"^row 1 of table.csv lacks or adds b$"):
+        write_table(tmp_path / "table.csv", rows)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_empty_table_is_refused_unless_its_columns_are_known(tmp_path: Path):
+    with pytest.raises(ValueError, match=r"^table.csv would be empty, expected rows$"):
+        write_table(tmp_path / "table.csv", [])
+    write_table(tmp_path / "table.csv", [], ["a", "b"])
+    assert (tmp_path / "table.csv").read_text() == "a,b\n"
+
+
 # Arrays.
+
+
+@given(st.lists(st.integers(0, 10**6), max_size=5), st.sampled_from([1, 2, 4, 8, 16]))
+def test_chunks_are_whole_or_small(shape: list[int], itemsize: int):
+    chunks = chunk_shape(shape, itemsize)
+    assert len(chunks) == len(shape)
+    assert all(1 <= chunk <= max(1, length) for chunk, length in zip(chunks, shape, strict=True))
+    assert math.prod(chunks) * itemsize <= ONE_CHUNK
+    if math.prod(max(1, length) for length in shape) * itemsize <= ONE_CHUNK:
+        assert chunks == tuple(max(1, length) for length in shape)
+
+
+def test_array_beyond_what_one_chunk_can_hold_is_divided():
+    """Blosc and zstd take less than 2 GiB at a time."""
+    assert chunk_shape((1000, 3000, 2), 8) == (699, 3000, 2)
+    assert chunk_shape((2, 2**31), 4) == (1, 2**23)
 
 
 def test_arrays_are_read_by_xarray(tmp_path: Path):
@@ -308,5 +362,6 @@ def test_provenance_says_what_made_it(monkeypatch: pytest.MonkeyPatch):
     assert made["command"] == ["insectnav", "home", "walk.csv"]
     assert made["seconds"] == 1.235
     assert made["packages"]["numpy"] == np.__version__
+    assert abs(datetime.now(UTC) - datetime.fromisoformat(str(made["finished"]))) < timedelta(seconds=60)
     assert made["machine"]["cores"] == os.cpu_count()
     assert set(made["packages"]) >= {"numba", "scipy", "xarray", "zarr", "matplotlib"}

@@ -1,5 +1,7 @@
 """Whole trials, compiled: out along a route, then home as the circuit steers."""
 
+from typing import Any, NamedTuple
+
 from insectnav.agents.motion_kernel import accelerate
 from insectnav.agents.obstacle_kernel import go_round
 from insectnav.agents.perturbation_kernel import (
@@ -22,6 +24,19 @@ from insectnav.lanes.random import fetch_streams
 from insectnav.lanes.vector import address, fill, fma, load, minimum, square_root, store
 
 
+class ResultsAt(NamedTuple):
+    """Addresses of the arrays of results, and how long they are."""
+
+    heading: Any
+    position: Any
+    memory_at_turn: Any
+    activity: Any
+    recorded_rows: Any
+    n_kept: int  # steps with heading and position: all or none
+    n_steps: int
+    n_recorded: int
+
+
 @kernel
 def run_trials_kernel(
     first, last, heading, velocity, streams, circuit_arrays, motion, disturbances, work_arrays, notebook_arrays, results
@@ -31,6 +46,7 @@ def run_trials_kernel(
     circuit, work, notebook = locate_circuit(circuit_arrays), locate_workspace(work_arrays), locate(notebook_arrays)
     has_events, n_obstacles = any_event(disturbances), disturbances.obstacles.shape[0]
     is_turned, speed = disturbances.body.is_on or disturbances.compass.is_on, disturbances.speed_factor
+    results_at = locate_results(results)
     obstacles, zero = address(disturbances.obstacles), fill(0.0, load(work.rows, 0))
     for block in range(first, last, LANES):
         n_here = min(LANES, last - block)
@@ -64,7 +80,7 @@ def run_trials_kernel(
             store(work.sample, 0, body_heading(notebook, theta) if is_turned else theta)
             store(work.sample, 1, x)
             store(work.sample, 2, y)
-            write_results(work, results, block, n_here, step, n_outbound)
+            write_results(work, results_at, block, n_here, step, n_outbound)
         store(work.sample, 0, closest)
         for lane in range(n_here):
             results.closest_distance[block + lane] = work.sample[lane]
@@ -108,11 +124,26 @@ def read_route(sample, route, first, n_here, step, n_outbound):
 
 
 @lane_function
+def locate_results(results):
+    """Results with addresses in place of their arrays."""
+    return ResultsAt(
+        address(results.heading),
+        address(results.position),
+        address(results.memory_at_turn),
+        address(results.activity),
+        address(results.recorded_rows),
+        results.heading.shape[1],
+        results.activity.shape[1],
+        results.recorded_rows.shape[0],
+    )
+
+
+@lane_function
 def write_results(work, results, first, n_here, step, n_outbound):
     """Put what is asked for of 16 trials at one step where it belongs."""
-    if results.heading.shape[1] > 0:
+    if results.n_kept > 0:
         write_sample(work.sample, results, first, n_here, step)
-    if results.recorded_rows.shape[0] > 0:
+    if results.n_recorded > 0:
         write_activity(work.rows, results, first, n_here, step)
     if step == n_outbound - 1:
         write_memory(work.rows, results, first, n_here)
@@ -121,20 +152,20 @@ def write_results(work, results, first, n_here, step, n_outbound):
 @lane_function
 def write_sample(sample, results, first, n_here, step):
     """Heading and position."""
-    n_steps, heading_out, position_out = results.heading.shape[1], address(results.heading), address(results.position)
     for lane in range(n_here):
-        index = (first + lane) * n_steps + step
-        heading_out[index] = sample[lane]
-        position_out[2 * index] = sample[LANES + lane]
-        position_out[2 * index + 1] = sample[2 * LANES + lane]
+        index = (first + lane) * results.n_kept + step
+        results.heading[index] = sample[lane]
+        results.position[2 * index] = sample[LANES + lane]
+        results.position[2 * index + 1] = sample[2 * LANES + lane]
 
 
 @lane_function
 def write_activity(rows, results, first, n_here, step):
     """Recorded rows of the activities."""
-    for column in range(results.recorded_rows.shape[0]):
+    for column in range(results.n_recorded):
         for lane in range(n_here):
-            results.activity[first + lane, step, column] = rows[results.recorded_rows[column] * LANES + lane]
+            index = ((first + lane) * results.n_steps + step) * results.n_recorded + column
+            results.activity[index] = rows[results.recorded_rows[column] * LANES + lane]
 
 
 @lane_function
@@ -142,4 +173,4 @@ def write_memory(rows, results, first, n_here):
     """Memory at the turning point."""
     for cell in range(16):
         for lane in range(n_here):
-            results.memory_at_turn[first + lane, cell] = rows[(MEMORY + cell) * LANES + lane]
+            results.memory_at_turn[16 * (first + lane) + cell] = rows[(MEMORY + cell) * LANES + lane]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+import json
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields, is_dataclass
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
@@ -15,12 +17,12 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError
 from insectnav.experiments.published import Published, Verdict
-from insectnav.experiments.results import to_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCALES = ("quick", "full")
+LARGEST = 2**63 - 1  # whole number that zarr holds
 Arrays = Mapping[str, tuple]  # name -> (dimensions, array) or (dimensions, array, attributes)
 Table = Sequence[Mapping[str, Any]]  # rows with the same keys
 
@@ -109,21 +111,44 @@ def check_grid(cells: Sequence[Any]) -> None:
     Raises
     ------
     InputError
-        If there is no cell, two are equal, or one holds other things than numbers, words and truth values.
+        If there is no cell, two are equal, they are not of one frozen dataclass, or a parameter is anything but
+        numbers, or words, or truth values, in all cells alike.
     """
     if not cells:
         raise InputError("the grid is empty, expected at least one cell")
-    for cell in cells:
-        for name, value in asdict(cell).items():
-            if not isinstance(value, bool | int | float | str):
-                raise InputError(f"cell parameter {name} is a {type(value).__name__}, expected a number or a word")
-    if len(set(cells)) < len(cells):
-        raise InputError("two cells of the grid are equal, expected all to differ")
+    kind = type(cells[0])
+    if not is_dataclass(kind) or kind.__hash__ is None or any(type(cell) is not kind for cell in cells):
+        raise InputError("the grid holds other things than cells, expected instances of one frozen dataclass")
+    for field in fields(kind):
+        _check_parameter(field.name, [getattr(cell, field.name) for cell in cells])
+    for cell, times in Counter(cells).items():
+        if times > 1:
+            raise InputError(f"{times} cells of the grid are equal ({cell_text(cell)}), expected all to differ")
+
+
+def _check_parameter(name: str, values: Sequence[Any]) -> None:
+    """Refuse what zarr could not hold as one array of cells, or what is not equal to itself."""
+    if name == "cell":
+        raise InputError("a cell parameter is called 'cell', expected another name: that is the dimension of the cells")
+    for value in values:
+        if not isinstance(value, bool | int | float | str):
+            raise InputError(f"cell parameter {name} is a {type(value).__name__}, expected a number or a word")
+        if value != value or (isinstance(value, int) and abs(value) > LARGEST):
+            raise InputError(f"cell parameter {name} is {value}, expected a number of at most 63 bits")
+    words = {str if isinstance(value, str) else bool if isinstance(value, bool) else float for value in values}
+    if len(words) > 1:
+        raise InputError(f"cell parameter {name} is a word in one cell and a number in another, expected one kind")
+
+
+def cell_text(cell: Any) -> str:
+    """The parameters of a cell for a message: ``preset='thesis', noise=0.1``."""
+    return ", ".join(f"{name}={value!r}" for name, value in asdict(cell).items())
 
 
 def paper_of(experiment: Experiment) -> str:
-    """The paper that an experiment is from, as the folder of its module says."""
-    return str(vars(import_module(experiment.__package__))["PAPER"])
+    """The paper that an experiment is from, as the folder of its module says; a module on its own is from none."""
+    package = vars(import_module(experiment.__package__)) if experiment.__package__ else {}
+    return str(package.get("PAPER", "none"))
 
 
 @lru_cache(maxsize=1)
@@ -132,12 +157,12 @@ def code_version() -> str:
     package = Path(__file__).parents[1]
     digest = hashlib.sha256()
     for path in sorted(package.rglob("*")):
-        if path.suffix in {".py", ".csv"}:
+        if path.suffix in {".py", ".csv"} and path.is_file():
             digest.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:12]
 
 
 def results_key(experiment: Experiment, cells: Sequence[Any], seed: int) -> str:
     """Name of the folder of these results: it follows from the cells, the seed and the version of the code."""
-    content = [experiment.__name__, seed, code_version(), [asdict(cell) for cell in cells]]
-    return hashlib.sha256(to_json(content).encode()).hexdigest()[:12]
+    content = [experiment.__name__, int(seed), code_version(), [asdict(cell) for cell in cells]]
+    return hashlib.sha256(json.dumps(content).encode()).hexdigest()[:12]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-DOUBLE_COLUMN = 7.2  # [inch]
+SINGLE_COLUMN, DOUBLE_COLUMN = 3.5, 7.2  # [inch]
 COLOURS = {  # Okabe & Ito (2008), Color Universal Design
     "black": "#000000",
     "orange": "#E69F00",

@@ -7,26 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from insectnav.experiments.activity_picture import LABELS, draw_activity, draw_rate_scale
 from insectnav.experiments.figure_process import serve
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, RATES, journal_style
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, journal_style
 from insectnav.records import plural_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-LABELS = {
-    "tl": "TL",
-    "cl1": "CL1",
-    "tb1": "TB1",
-    "tn2": "TN2",
-    "memory": "Memory",
-    "cpu4": "CPU4",
-    "pontine": "Pontine",
-    "cpu1": "CPU1",
-}
-GAP = 4  # rows of the picture between populations
-N_COLUMNS = 800  # of the picture
 
 
 def draw(data: Mapping[str, Any]) -> Figure:
@@ -46,7 +34,16 @@ def draw(data: Mapping[str, Any]) -> Figure:
     with journal_style():
         figure = Figure(figsize=(DOUBLE_COLUMN, 4.3))
         _draw_paths(figure.add_axes((0.08, 0.235, 0.37, 0.69)), data)
-        _draw_activity(figure.add_axes((0.545, 0.1, 0.36, 0.825)), figure.add_axes((0.925, 0.1, 0.012, 0.825)), data)
+        axes, bar_axes = (figure.add_axes(box) for box in ((0.545, 0.1, 0.36, 0.825), (0.925, 0.1, 0.012, 0.825)))
+        image = draw_activity(
+            axes,
+            {name: data[f"activity_{name}"] for name in LABELS},
+            n_outbound=len(data["outbound"]),
+            time_per_step=float(data["time_per_step"]),
+            time_unit=str(data["time_unit"]),
+        )
+        axes.set_title("activity in trial 1", loc="left", pad=10.0)
+        draw_rate_scale(bar_axes, image)
     return figure
 
 
@@ -87,56 +84,11 @@ def _draw_paths(axes: Axes, data: Mapping[str, Any]) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, handlelength=1.6, columnspacing=1.2)
 
 
-def _draw_activity(axes: Axes, bar_axes: Axes, data: Mapping[str, Any]) -> None:
-    """Populations below each other, one row for each cell, time across, the turning point marked.
-
-    They make a single picture: eight sets of axes would take several times as long to draw.
-    """
-    n_outbound, n_steps = len(data["outbound"]), len(data["activity_tl"])
-    time_per_step, time_unit = float(data["time_per_step"]), str(data["time_unit"])
-    blocks, first_row = [], 0
-    for population, label in LABELS.items():
-        rates = _shorten(np.asarray(data[f"activity_{population}"], float).T)
-        n_cells = len(rates)
-        rows_per_cell = 4 if n_cells == 2 else 16 // n_cells
-        height = n_cells * rows_per_cell
-        middle = first_row + height / 2.0
-        axes.text(-0.07, middle, label, transform=axes.get_yaxis_transform(), ha="right", va="center")
-        for cell in (0, n_cells - 1):
-            row = first_row + (cell + 0.5) * rows_per_cell
-            axes.text(
-                -0.012, row, str(cell + 1), transform=axes.get_yaxis_transform(), fontsize=5, ha="right", va="center"
-            )
-        blocks += [
-            np.repeat(rates / max(rates.max(), 1e-12), rows_per_cell, axis=0),
-            np.full((GAP, rates.shape[1]), np.nan),
-        ]
-        first_row += height + GAP
-    picture = np.ma.masked_invalid(np.concatenate(blocks[:-1]))
-    extent = (0.0, n_steps * time_per_step, len(picture), 0.0)
-    image = axes.imshow(picture, aspect="auto", interpolation="none", cmap=RATES, vmin=0.0, vmax=1.0, extent=extent)
-    axes.axvline(n_outbound * time_per_step, color=COLOURS["orange"], linewidth=1.0)
-    axes.text(n_outbound * time_per_step, -0.5, "turning point", ha="center", va="bottom", fontsize=6)
-    axes.set_title("activity in trial 1", loc="left", pad=10.0)
-    axes.set_yticks([])
-    axes.spines["left"].set_visible(False)
-    axes.set_xlabel(f"time ({plural_unit(time_unit)})")
-    bar = axes.figure.colorbar(image, cax=bar_axes)
-    bar.set_label("rate / highest of the population")
-
-
 def _shorten_name(name: str, limit: int = 40) -> str:
     """The name, with its middle left out where it would not fit above the map; no character is taken as markup."""
     if len(name) > limit:
         name = f"{name[: limit // 2]}…{name[-limit // 2 + 1 :]}"
     return name.replace("$", r"\$")
-
-
-def _shorten(rates: np.ndarray, n_columns: int = N_COLUMNS) -> np.ndarray:
-    """Rates (cell, step) averaged over as many steps as one dot of the picture covers."""
-    n_per_column = -(-rates.shape[1] // n_columns)
-    starts = np.arange(0, rates.shape[1], n_per_column)
-    return np.add.reduceat(rates, starts, axis=1) / np.diff(starts, append=rates.shape[1])
 
 
 if __name__ == "__main__":

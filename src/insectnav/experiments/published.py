@@ -71,12 +71,16 @@ def read_published(path: Path, experiment: str) -> dict[str, Published]:
     """
     rows: dict[str, Published] = {}
     with path.open(newline="", encoding="utf-8") as file:
-        for line, row in enumerate(csv.DictReader(file), 2):
-            if row.get("experiment") != experiment:
+        reader = csv.DictReader(file)
+        for row in reader:
+            where = f"{path.name} line {reader.line_num}"
+            if list(row) != [field.name for field in fields(Published)] or None in row.values():
+                raise InputError(f"{where} has other columns than a published number: a comma in a text?")
+            if row["experiment"] != experiment:
                 continue
-            published = _published(row, f"{path.name} line {line}")
+            published = _published(row, where)
             if published.quantity in rows:
-                raise InputError(f"{path.name} line {line} repeats {quoted(published.quantity)}, expected it once")
+                raise InputError(f"{where} repeats {quoted(published.quantity)}, expected it once")
             rows[published.quantity] = published
     return rows
 
@@ -88,10 +92,8 @@ def _published(row: Mapping[str, Any], where: str) -> Published:
         high = float(row["high"]) if row["high"] else value
         error = float(row["standard_error"]) if row["standard_error"] else 0.0
         words = {name: str(row[name]) for name in ("experiment", "quantity", "unit", "source", "how_read")}
-    except (KeyError, TypeError, ValueError):
-        raise InputError(
-            f"{where} cannot be read, expected the columns of a published number: a comma in a text?"
-        ) from None
+    except ValueError:
+        raise InputError(f"{where} cannot be read, expected numbers: a comma in a text?") from None
     if not low <= high or not error >= 0.0:
         raise InputError(f"{where} says {low:g} to {high:g} ± {error:g}, expected a low end, a high end and an error")
     return Published(value=value, low=low, high=high, standard_error=error, **words)
@@ -152,7 +154,7 @@ def read_verdicts(path: Path) -> list[Verdict]:
     try:
         with path.open(newline="", encoding="utf-8") as file:
             return [_verdict(row) for row in csv.DictReader(file)]
-    except (OSError, TypeError, ValueError):
+    except (OSError, csv.Error, LookupError, TypeError, ValueError):
         raise InputError(f"{quoted(path, 200)} cannot be read, expected a comparison.csv of insectnav run") from None
 
 

@@ -11,6 +11,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -40,11 +41,11 @@ def results_folder(destination: str | os.PathLike[str]) -> Iterator[Path]:
     final = Path(os.path.realpath(destination))  # a link stays, and what it points to is replaced
     temporary = final.with_name(f".{final.name}.{secrets.token_hex(4)}.part")
     new_parents = [parent for parent in final.parents if not parent.exists()]
-    with _as_input_error(destination):
+    with written_to(destination):
         temporary.mkdir(parents=True)
     try:
         yield temporary
-        with _as_input_error(destination):
+        with written_to(destination):
             replace_folder(final, temporary)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
@@ -63,7 +64,7 @@ def check_destination(destination: str | os.PathLike[str]) -> None:
     """
     final = Path(os.path.realpath(destination))
     shown = quoted(destination, limit=200)
-    with _as_input_error(destination):
+    with written_to(destination):
         if final.exists() and not final.is_dir():
             raise InputError(f"--out {shown} is a file, expected a folder or a new name")
         others = {item.name for item in final.iterdir()} - RESULTS if final.is_dir() else set()
@@ -80,7 +81,14 @@ def check_destination(destination: str | os.PathLike[str]) -> None:
 
 
 @contextmanager
-def _as_input_error(destination: str | os.PathLike[str]) -> Iterator[None]:
+def written_to(destination: str | os.PathLike[str]) -> Iterator[None]:
+    """Context in which what the system refuses to write becomes one sentence about the destination.
+
+    Raises
+    ------
+    InputError
+        If the disk is full, say, or the place may not be written.
+    """
     try:
         yield
     except OSError as error:
@@ -89,33 +97,34 @@ def _as_input_error(destination: str | os.PathLike[str]) -> Iterator[None]:
 
 def replace_folder(final: Path, temporary: Path) -> None:
     """Rename to the final name; what is there is renamed first, and comes back if that fails."""
+    old = temporary.with_suffix(".old")  # may be there from a process that was killed between two renames
     if not final.exists():
         temporary.rename(final)
     elif final == Path.cwd():
-        _refill(final, temporary)
+        _refill(final, temporary, old)
     else:
-        old = temporary.with_suffix(".old")
+        shutil.rmtree(old, ignore_errors=True)
         final.rename(old)
         try:
             temporary.rename(final)
         except OSError:
             old.rename(final)
             raise
-        shutil.rmtree(old, ignore_errors=True)
+    shutil.rmtree(old, ignore_errors=True)
 
 
-def _refill(final: Path, temporary: Path) -> None:
+def _refill(final: Path, temporary: Path, old: Path) -> None:
     """Exchange the contents of the folder the user stands in, which a new folder of the same name would leave empty.
 
     Provenance comes last: a folder without it is no result.
     """
-    old = temporary.with_suffix(".old")
+    shutil.rmtree(old, ignore_errors=True)
     old.mkdir()
     for item in list(final.iterdir()):
         item.rename(old / item.name)
     for item in sorted(temporary.iterdir(), key=lambda item: item.name == PROVENANCE):
         item.rename(final / item.name)
-    shutil.rmtree(old, ignore_errors=True)
+    temporary.rmdir()
 
 
 def to_json(value: Any) -> str:
@@ -142,7 +151,18 @@ def write_table(path: Path, rows: Sequence[Mapping[str, Any]], columns: Sequence
     """Rows with the same keys as CSV; numbers with six significant digits, NaN as an empty cell.
 
     Where there may be no rows, ``columns`` says what they would have had.
+
+    Raises
+    ------
+    ValueError
+        If there are neither rows nor columns, or a row has other keys than the first.
     """
+    if not rows and columns is None:
+        raise ValueError(f"{path.name} would be empty, expected rows")
+    expected = set(columns or rows[0])
+    for number, row in enumerate(rows):
+        if set(row) != expected:
+            raise ValueError(f"row {number} of {path.name} lacks or adds {', '.join(sorted(expected ^ set(row)))}")
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, fieldnames=list(columns or rows[0]))
         writer.writeheader()
@@ -171,9 +191,17 @@ def write_arrays(path: Path, arrays: Mapping[str, tuple], attributes: Mapping[st
     for name, (dimensions, values, *own_attributes) in arrays.items():
         values = np.asarray(values)
         attrs = plain(own_attributes[0]) if own_attributes else None
-        chunks: Any = values.shape if 0 < values.nbytes <= ONE_CHUNK else "auto"
+        chunks = chunk_shape(values.shape, values.dtype.itemsize)
         group.create_array(name, data=values, chunks=chunks, dimension_names=dimensions, attributes=attrs)
     consolidate(group)
+
+
+def chunk_shape(shape: Sequence[int], itemsize: int) -> tuple[int, ...]:
+    """Shape of the chunks of an array: all of it, or leading axes divided so that none is larger than ONE_CHUNK."""
+    chunks = [max(1, length) for length in shape]
+    for axis, length in enumerate(chunks):
+        chunks[axis] = max(1, min(length, ONE_CHUNK // (itemsize * math.prod(chunks[axis + 1 :]))))
+    return tuple(chunks)
 
 
 def consolidate(group: Any) -> None:
@@ -186,7 +214,7 @@ def consolidate(group: Any) -> None:
 
 
 def provenance(seconds: float) -> dict[str, Any]:
-    """What a result was made with: versions, machine, command and time taken."""
+    """What a result was made with: versions, machine, command, when it was finished and the seconds it took."""
     packages = ("numpy", "numba", "scipy", "xarray", "zarr", "matplotlib")
     return {
         "insectnav": __version__,
@@ -194,5 +222,6 @@ def provenance(seconds: float) -> dict[str, Any]:
         "packages": {package: version(package) for package in packages},
         "machine": {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count()},
         "command": [Path(sys.argv[0]).name, *sys.argv[1:]],
+        "finished": datetime.now(UTC).isoformat(timespec="seconds"),
         "seconds": round(seconds, 3),
     }

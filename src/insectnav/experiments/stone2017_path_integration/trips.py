@@ -63,6 +63,11 @@ def random_trips(
     return simulate_trials(heading, velocity, np.arange(n_trials), params)
 
 
+def example_trip(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Heading (1, step) [rad] and velocity (1, step, 2) of the trip of Fig. 5a and b: trial 0 of `random_trips`."""
+    return route_arrays(1, N_STEPS, RouteParams(), seed, "float32")
+
+
 def ways_home(arrays: TrialArrays, n_inbound: int) -> np.ndarray:
     """Paths (trial, step, 2) from the turning point on."""
     return arrays.position[:, arrays.position.shape[1] - n_inbound - 1 :]

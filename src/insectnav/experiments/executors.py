@@ -1,0 +1,152 @@
+"""Where cells are simulated: this process, processes of this machine, or a Dask cluster."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+from insectnav.checks import InputError, check_count, quoted
+
+if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
+
+CONNECT_SECONDS = 10.0
+
+
+class Executor(Protocol):
+    """Anything that runs functions elsewhere: a pool of `concurrent.futures`, a client of Dask.
+
+    An executor may have a ``window``: how many cells it is handed at a time.
+    """
+
+    def submit(self, function: Callable, /, *arguments: Any) -> Any:
+        """A future with ``result()``, ``cancel()`` and ``add_done_callback()``."""
+
+
+class HereAndNow:
+    """An executor that runs everything in this process, at once."""
+
+    window = 1  # a cell is on disk before the next begins
+
+    def submit(self, function: Callable, /, *arguments: Any) -> Any:
+        """A future that is done."""
+        from concurrent.futures import Future
+
+        future: Future = Future()
+        try:
+            future.set_result(function(*arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+class Cluster:
+    """A Dask cluster as an executor.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    def submit(self, function: Callable, /, *arguments: Any) -> Any:
+        """A future of the cluster, shared with no other run: not even its failure is."""
+        return self._client.submit(function, *arguments, pure=False)
+
+
+@contextmanager
+def executor(workers: int | None = None, cluster: str | None = None) -> Iterator[Executor]:
+    """Processes on this machine, one for each core unless told otherwise, or a Dask cluster.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Number of processes; 1 runs everything in the present one.
+    cluster : str, optional
+        Address of a Dask scheduler, such as "tcp://127.0.0.1:8786".
+
+    Raises
+    ------
+    InputError
+        If there is no such cluster, Dask is not installed, or both are given.
+
+    Notes
+    -----
+    A block that ends with an error ends local processes at once; they also end with the process that started them.
+    """
+    if workers is not None:
+        check_count("workers", workers)
+    if cluster is not None:
+        if workers is not None:
+            raise InputError("both workers and cluster are given, expected one: the cluster has workers of its own")
+        with _client(cluster) as client:
+            yield Cluster(client)
+    elif (workers or _n_cores()) == 1:
+        yield HereAndNow()
+    else:
+        with _processes(workers or _n_cores()) as pool:
+            yield pool
+
+
+@contextmanager
+def _processes(n_workers: int) -> Iterator[ProcessPoolExecutor]:
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+
+    # Not forked: threads of compiled code do not survive that.
+    pool = ProcessPoolExecutor(n_workers, multiprocessing.get_context("spawn"), initializer=_follow_parent)
+    try:
+        yield pool
+    except BaseException:
+        for process in list((pool._processes or {}).values()):  # cells may take long: nobody waits for them
+            process.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _follow_parent() -> None:
+    """End with the parent however it ends, and leave Ctrl-C to it."""
+    import multiprocessing
+    import signal
+    import threading
+
+    def end() -> None:
+        parent.join()
+        os._exit(1)
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = cast(Any, multiprocessing.parent_process())
+    threading.Thread(target=end, daemon=True).start()
+
+
+@contextmanager
+def _client(address: str) -> Iterator[Any]:
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError("a cluster needs Dask, which is not installed: pip install insectnav[cluster]") from None
+    logger = logging.getLogger("distributed.client")
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)  # what it would tell of a lost scheduler in a traceback, an error tells as well
+    try:
+        client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
+    except (OSError, ValueError) as error:
+        reason = type(error).__name__
+        raise InputError(
+            f"no Dask scheduler answers at {quoted(address)} ({reason}), expected as in tcp://host:8786"
+        ) from None
+    else:
+        with client:
+            yield client
+    finally:
+        logger.setLevel(level)
+
+
+def _n_cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,3 @@
+"""A paper of the tests' own: cells that take a while, and cells that misbehave."""
+
+PAPER = "Nobody 1900"
