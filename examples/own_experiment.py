@@ -71,7 +71,7 @@ def draw(results: Results):
 
 
 def caption(results: Results) -> str:
-    return f"Median closest distance to the nest; n = {results.cells[0].n_trials} trips of 1500 steps out and back each."
+    return f"Median closest distance to the nest; n = {results.cells[0].n_trials} trips of 1500 steps out and back."
 
 
 def compare(table: Table, published: object) -> Sequence:

@@ -120,3 +120,7 @@ def test_path_that_stays_inside_or_starts_at_the_nest_has_none():
 def test_other_shape_is_refused(shape: tuple):
     with pytest.raises(InputError, match=r"^path has shape"):
         departure_error(np.zeros(shape), 3.0)
+
+
+def test_path_of_one_sample_leaves_no_circle():
+    assert np.isnan(departure_error(np.ones((3, 1, 2)), 20.0)).all()

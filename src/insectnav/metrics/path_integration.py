@@ -119,6 +119,8 @@ def departure_error(path: ArrayLike, radius: float) -> Reals:
     """
     path = np.asarray(path, float)
     check_shape("path", path, ("trial", "step", 2))
+    if path.shape[1] < 2:
+        return np.full(len(path), np.nan)
     start = path[:, :1]
     away = path - start
     is_outside = np.linalg.norm(away, axis=-1) >= radius

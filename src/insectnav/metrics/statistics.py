@@ -24,9 +24,9 @@ def bootstrap_error(values: ArrayLike, statistic: Callable[..., Any]) -> float:
     The bootstrap, Efron (1979), Ann. Statist. 7:1, doi 10.1214/aos/1176344552: SD of the statistic over 400 samples
     drawn from the sample with replacement.
     """
-    values = np.asarray(values, float)
-    values = values[np.isfinite(values)]
-    if values.size < 2:
+    sample = np.asarray(values, float)
+    sample = sample[np.isfinite(sample)]
+    if sample.size < 2:
         return float("nan")
-    draws = np.random.default_rng(SEED).integers(values.size, size=(N_RESAMPLES, values.size))
-    return float(np.std(statistic(values[draws], axis=-1), ddof=1))
+    draws = np.random.default_rng(SEED).integers(sample.size, size=(N_RESAMPLES, sample.size))
+    return float(np.std(statistic(sample[draws], axis=-1), ddof=1))
