@@ -16,7 +16,10 @@ def simulated(experiment: Any, cells: Sequence[Any], seed: int = 0) -> Results:
     """Cells as the store gives them back."""
     check_grid(cells)
     found = [experiment.simulate(cell, seed) for cell in cells]
-    kinds = [{name: (array[0], np.shape(array[1])) for name, array in arrays.items()} for arrays in found]
+    kinds = [
+        {name: (array[0], np.shape(array[1]), np.asarray(array[1]).dtype) for name, array in arrays.items()}
+        for arrays in found
+    ]
     assert all(kind == kinds[0] for kind in kinds)
     return Results(cells, {name: np.stack([arrays[name][1] for arrays in found]) for name in found[0]})
 

@@ -109,7 +109,7 @@ def _thinned(paths: np.ndarray) -> np.ndarray:
 def _reference(cell: Cell, circuit: CircuitParams, seed: int) -> np.ndarray:
     """Position (trial, 2) decoded after N_STEPS of the same routes without a filter; NaN but in panel d."""
     if cell.panel != "d":
-        return np.full((cell.n_trials, 2), np.nan)
+        return np.full((cell.n_trials, 2), np.nan, np.float32)
     arrays = random_trips(cell.n_trials, circuit, noise=cell.noise, seed=seed, n_inbound=0)
     return -decode_home_vector(arrays.memory_at_turn, circuit)
 
@@ -158,7 +158,9 @@ def draw(results: Results) -> Figure:
         for column, preset in enumerate(results.by("preset")):
             axes = figure.add_subplot(places[row, 2 * column : 2 * column + 2])
             _draw_paths(axes, results, results.only(panel=panel, preset=preset, **wanted))
-            axes.set_title(f"{panel if column == 0 else ''}  {words[panel]}, {PRESET_NAMES[preset]}", loc="left")
+            axes.set_title(
+                f"{panel if column == 0 else ''}  {words[panel]}, {PRESET_NAMES[preset]}", loc="left", fontsize=7.5
+            )
             if row == column == 0:
                 axes.legend(loc="best")
         stacked: Any = places[row, 4:].subgridspec(2, 1).subplots(sharex=True)
