@@ -256,8 +256,8 @@ def _verdict(table: Table, value: Published) -> Verdict:
     }
     why = (
         f"home lies between two columns and the memory has it {row['decoded_home_error_deg']:.1f}° off, so that the "
-        "point of balance is not straight away from it; after a flight along a column the turn facing away is "
-        f"{abs(row['turn_away_along_column_deg']):.3f}°"
+        "points of balance are not straight home and straight away from it; after a flight along a column the turns "
+        f"there are {abs(row['turn_3_along_column_deg']):.3f} and {abs(row['turn_away_along_column_deg']):.3f}°"
     )
     ours, error = uncertain.get(name, (plain.get(name, ""), ""))
     return judge(value, row[ours], row[error] if error else 0.0, why=why)

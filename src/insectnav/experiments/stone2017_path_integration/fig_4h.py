@@ -37,12 +37,12 @@ class Cell:
 
     algorithm: str
     has_tb1_ring: bool
-    n_layouts: int = 100  # from as many random starts
+    n_layouts: int = 60  # from as many random starts
 
 
 def grid(scale: str) -> Sequence[Cell]:
     """Both algorithms, with and without the connections between TB1 cells."""
-    n_layouts = 100 if scale == "full" else 12
+    n_layouts = 60 if scale == "full" else 12
     return [
         Cell(algorithm=algorithm, has_tb1_ring=has_tb1_ring, n_layouts=n_layouts)
         for algorithm in ALGORITHMS
@@ -95,7 +95,7 @@ def _layout(graph: Any, start: NDArray[np.float64], algorithm: str) -> NDArray[n
     if algorithm == "kamada-kawai":  # springs between all cells, as long as their distance along connections
         found = networkx.kamada_kawai_layout(graph, pos=places, weight=None)
     else:  # connections attract by their strength, all cells repel each other
-        found = networkx.spring_layout(graph, pos=places, weight="weight", iterations=500, seed=0)
+        found = networkx.spring_layout(graph, pos=places, weight="weight", iterations=200, seed=0)
     return np.array([found[node] for node in graph])
 
 

@@ -192,7 +192,7 @@ def _verdict(table: Table, value: Published) -> Verdict:
     row = next(row for row in table if (row["preset"], row["population"]) == (preset, cells))
     why = (
         f"the mean goes from {row['mean_rate_start']:.3f} to {row['mean_rate_turn']:.3f}: in a step the memory gains "
-        f"{row['mean_drive']:.3f} h of speed and loses {circuit_params(preset=preset).memory_loss:g} h; it grows in "
+        f"{row['mean_drive']:.3f} h and loses {circuit_params(preset=preset).memory_loss:g} h on average; it grows in "
         f"{100.0 * row['mean_rate_share_of_trips_grown']:.0f} % of the trips, and the height of the pattern over the "
         f"columns {row['pattern_turn_over_start']:.1f} times"
     )

@@ -268,16 +268,14 @@ def caption(results: Results) -> str:
     cell = results.cells[0]
     quiet = results.only(preset="code-2017", noise=0.0, motor_gain=PRESETS_OWN)
     overshoot = summary(results["loop_reach"][quiet][:, 0]).median
-    forward = np.cos(_finite(results["loop_direction"][quiet][:, 0]))
-    onwards = 100.0 * float(np.mean(forward > np.cos(np.pi / 4.0))) if forward.size else float("nan")
     return (
         f"Search after a random trip of {N_STEPS} steps, in {cell.n_inbound} steps with the circuit steering. a, b, "
         f"One trial under each set of constants (noise {DRAWN_NOISE:g}); dashed: the home range of {HOME_RANGE:g} "
         "steps. c, Direction in which the third loop goes from the centre of the search, from the course home, at "
         f"noise {DRAWN_NOISE:g}; a loop leaves the {HOME_RANGE:g} steps round that centre and goes {FAR:g} steps or "
         f"farther. d, Distance from the nest in windows of {WINDOW} steps since the first step in the home range. "
-        "Without noise and under the 2017 code's constants it rises at first as agents fly on past the nest: "
-        f"{onwards:.0f}% of the first loops go within 45° of the course home, the median {overshoot:.0f} steps far. "
+        "Without noise and under the 2017 code's constants agents first fly far past the nest: their first loops reach "
+        f"{overshoot:.0f} steps (median). "
         f"e, Mean turn to the side on which the nest lies. Colours as in d; n = {cell.n_trials} trials for each line, "
         "less those that have not come home by then."
     )
