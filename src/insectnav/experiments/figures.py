@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SINGLE_COLUMN, DOUBLE_COLUMN = 3.5, 7.2  # [inch]
@@ -51,6 +52,11 @@ def journal_style() -> Any:
     import matplotlib
 
     return matplotlib.rc_context(STYLE)
+
+
+def name_panel(axes: Axes, letter: str, title: str = "") -> None:
+    """Head a panel with the letter that the caption names it by, in bold, and a title."""
+    axes.set_title(f"$\\mathbf{{{letter}}}$  {title}".rstrip(), loc="left")
 
 
 def save_figure(figure: Figure, folder: Path, name: str = "figure", kinds: Sequence[str] = ("png", "pdf")) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from insectnav.agents.perturbations import Displace
 from insectnav.central_complex import PRESETS, circuit_params
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.obstructed_trips import (
     FARTHEST_SOUTH,
@@ -147,7 +147,7 @@ def draw(results: Results) -> Figure:
     shown = ("circle", "wall", "ring", "carried underway")
     for letter, axes, condition in zip("abcd", panels.flat, shown, strict=False):
         _draw_paths(axes, results, condition)
-        axes.set_title(f"{letter}  {condition}", loc="left")
+        name_panel(axes, letter, condition)
     _draw_shares(panels[1, 1], results)
     _draw_centres(panels[1, 2], results)
     return figure
@@ -197,7 +197,7 @@ def _draw_shares(axes: Axes, results: Results) -> None:
     axes.set_ylim(0.0, 102.0)
     axes.set_xlabel("closest distance to the nest (steps)")
     axes.set_ylabel("trials with at most that (%)")
-    axes.set_title("e", loc="left")
+    name_panel(axes, "e")
     axes.legend(loc="lower right", bbox_to_anchor=(0.8, 0.0))
 
 
@@ -212,7 +212,7 @@ def _draw_centres(axes: Axes, results: Results) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x (steps)")
     axes.set_ylabel("y (steps)")
-    axes.set_title("f  centre of the search", loc="left")
+    name_panel(axes, "f", "centre of the search")
     axes.legend(loc="upper left", markerscale=2.0)
 
 

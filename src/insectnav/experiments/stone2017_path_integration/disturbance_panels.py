@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from insectnav.experiments.experiment import Table
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.stone2017_path_integration.trips import HOME_RANGE, PRESET_NAMES
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def draw_panels(table: Table) -> Figure:
             axes.set_xticks(np.arange(0, 91, 22.5), ["0", "22.5", "45", "67.5", "90"])
         axes.set_xlabel(LABELS[panel])
         axes.set_ylim(bottom=0.0)
-        axes.set_title(letter, loc="left")
+        name_panel(axes, letter)
     for axes in panels[:, 0]:
         axes.set_ylabel("closest distance to the nest (steps)")
     _explain(panels[0, 0], panels[1, 0], panels[1, 2])

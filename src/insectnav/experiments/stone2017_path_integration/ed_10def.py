@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from insectnav.angles import circular_mean, unit_vector, wrap
 from insectnav.central_complex import PRESETS, circuit_params, decode_waggle_dance
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.body_offsets import (
     COURSE_DEG,
@@ -139,7 +139,7 @@ def draw(results: Results) -> Figure:
             if letter == "d":
                 axes.set_title("random" if offset == RANDOM else f"{offset:g}°", fontsize=7.0)
         row[0].set_ylabel(f"{variant}\ny (steps)")
-        row[0].set_title(letter, loc="left", fontweight="bold")
+        name_panel(row[0], letter)
     figure.supxlabel("x (steps)", fontsize=7.0)
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     return figure

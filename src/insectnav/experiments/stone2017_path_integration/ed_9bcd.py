@@ -12,7 +12,7 @@ from insectnav.agents.perturbations import FilterSpeed, ScaleSpeed
 from insectnav.angles import circular_std
 from insectnav.central_complex import PRESETS, CircuitParams, circuit_params, decode_home_vector
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.trips import (
     N_STEPS,
@@ -158,9 +158,11 @@ def draw(results: Results) -> Figure:
         for column, preset in enumerate(results.by("preset")):
             axes = figure.add_subplot(places[row, 2 * column : 2 * column + 2])
             _draw_paths(axes, results, results.only(panel=panel, preset=preset, **wanted))
-            axes.set_title(
-                f"{panel if column == 0 else ''}  {words[panel]}, {PRESET_NAMES[preset]}", loc="left", fontsize=7.5
-            )
+            title = f"{words[panel]}, {preset} constants"
+            if column == 0:
+                name_panel(axes, panel, title)
+            else:
+                axes.set_title(title, loc="left")
             if row == column == 0:
                 axes.legend(loc="best")
         stacked: Any = places[row, 4:].subgridspec(2, 1).subplots(sharex=True)
@@ -220,7 +222,7 @@ def _draw_track(axes: Axes, results: Results, column: int, coordinate: str) -> N
     axes.set_xlabel("time (steps)")
     axes.set_ylabel(f"{coordinate} (steps)")
     if column == 0:
-        axes.set_title("d", loc="left")
+        name_panel(axes, "d")
         axes.legend(loc="best")
 
 

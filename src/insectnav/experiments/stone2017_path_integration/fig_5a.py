@@ -14,7 +14,7 @@ from insectnav.agents.simulation import TrialParams, simulate_trials
 from insectnav.angles import bearing, wrap
 from insectnav.central_complex import PRESETS, circuit_params
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.obstructed_trips import (
     FARTHEST_SOUTH,
@@ -152,7 +152,7 @@ def draw(results: Results) -> Figure:
         for column, name in enumerate(LOOKS):
             axes = figure.add_subplot(places[row, column])
             _draw_trial(axes, results["path"][results.only(preset=preset, obstacles=name)], name)
-            axes.set_title(f"{'abcd'[2 * row + column]}  {PRESET_NAMES[preset]}", loc="left")
+            name_panel(axes, "abcd"[2 * row + column], PRESET_NAMES[preset])
             if row == column == 0:
                 axes.legend(loc="best")
     near, way = figure.add_subplot(places[0, 2]), figure.add_subplot(places[1, 2])
@@ -172,7 +172,7 @@ def draw(results: Results) -> Figure:
     for axes, letter in ((near, "e"), (way, "f")):
         axes.set_ylim(0.0, 102.0)
         axes.set_ylabel("trials with at most that (%)")
-        axes.set_title(letter, loc="left")
+        name_panel(axes, letter)
     for preset, line in LINES.items():
         way.plot([], [], line, color="black", label=PRESET_NAMES[preset])
     way.legend(loc="lower right")

@@ -12,7 +12,7 @@ from insectnav.angles import wrap
 from insectnav.central_complex import PRESETS
 from insectnav.central_complex.connectivity import DIRECTIONS
 from insectnav.experiments.experiment import Results, Table
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.stone2017_path_integration.trips import PRESET_NAMES
 
 if TYPE_CHECKING:
@@ -55,9 +55,9 @@ def draw_memories(
     panels = [*rows[0].subplots(1, 3), *rows[1].subplots(1, 4, width_ratios=(1.0, 1.0, 0.35, 1.15))]
     _draw_charge(panels[0], results["charge"][thesis], courses)
     _draw_sum(panels[1], results["leg_memory"][thesis])
-    _draw_halves(panels[2], memory, 0.0, home, "d, memory by column")
-    _draw_halves(panels[3], memory, 45.0, home, "e, turned by the 45° of its flow", with_mean=True)
-    _draw_halves(panels[4], memory, -45.0, home, "f, as CPU1 compares them")
+    _draw_halves(panels[2], memory, 0.0, home, ("d", "memory by column"))
+    _draw_halves(panels[3], memory, 45.0, home, ("e", "turned by the 45° of its flow"), with_mean=True)
+    _draw_halves(panels[4], memory, -45.0, home, ("f", "as CPU1 compares them"))
     _draw_facings(panels[4], home, shown)
     _draw_ratios(panels[5], table[thesis], shown)
     _draw_turns(panels[6], results, facings)
@@ -75,7 +75,7 @@ def _draw_charge(axes: Axes, charge: NDArray[Any], courses: NDArray[Any]) -> Non
         axes.plot(np.degrees(courses), charge[:, half], color=COLOURS[HALF_COLOURS[name]], label=f"{name} half")
     for angle in (-45.0, 45.0):
         axes.axvline(angle, color=COLOURS["grey"], linewidth=0.6, linestyle=":")
-    axes.set_title("a, what charges the memory", loc="left")
+    name_panel(axes, "a", "what charges the memory")
     axes.set_xlabel("motion relative to the body (deg)")
     axes.set_ylabel("charge / highest")
     axes.set_xticks(np.arange(-180, 181, 90))
@@ -93,7 +93,7 @@ def _draw_sum(axes: Axes, memory: NDArray[Any]) -> None:
         axes.plot(np.degrees(DIRECTIONS), pattern, marker="o", color=COLOURS[colour], label=label, **style)
     axes.plot(np.degrees(DIRECTIONS), added, marker="o", color="black", label="sum of both", **style)
     axes.plot(np.degrees(FINE), _sinusoid(patterns[3]), color="black", linestyle="--", label="1 to 3, direct")
-    axes.set_title("c, adding motions", loc="left")
+    name_panel(axes, "c", "adding motions")
     axes.set_xlabel("direction (deg)")
     axes.set_ylabel("memory less its mean")
     axes.set_xticks(np.arange(0, 361, 90))
@@ -113,7 +113,7 @@ def _sinusoid(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _draw_halves(
-    axes: Axes, memory: NDArray[Any], turned_deg: float, home: float, title: str, *, with_mean: bool = False
+    axes: Axes, memory: NDArray[Any], turned_deg: float, home: float, title: tuple[str, str], *, with_mean: bool = False
 ) -> None:
     """Both halves of the memory, the right one turned clockwise by an angle and the left one anticlockwise."""
     once_more = [*range(8), 0]  # 0° again, as 360°
@@ -135,7 +135,7 @@ def _draw_halves(
     axes.text(where, 0.76, "home", transform=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=6)
     low, high = min(_sinusoid(memory[0]).min(), memory.min()), memory.max()
     axes.set_ylim(low - 0.05 * (high - low), high + 0.6 * (high - low))
-    axes.set_title(title, loc="left")
+    name_panel(axes, *title)
     axes.set_xticks(np.arange(0, 361, 90))
     axes.legend(loc="upper left", ncols=1 if columns < 0 else 2, columnspacing=1.0, handletextpad=0.4)
 
@@ -180,7 +180,7 @@ def _draw_turns(axes: Axes, results: Results, facings: NDArray[Any]) -> None:
         axes.errorbar(angle, turn.mean(axis=1), turn.std(axis=1, ddof=1), **bars)
     axes.axhline(0.0, color="black", linewidth=0.6, linestyle=":")
     axes.axvline(0.0, color="black", linewidth=0.6, linestyle=":")
-    axes.set_title("g, steering", loc="left")
+    name_panel(axes, "g", "steering")
     axes.set_xlabel("home relative to facing (deg)")
     axes.set_ylabel("turn in a step (deg), right positive")
     axes.set_ylim(-55.0, 75.0)

@@ -11,7 +11,7 @@ import numpy as np
 from insectnav.angles import bearing, wrap
 from insectnav.central_complex import PRESETS, circuit_params
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.trips import (
     HOME_RANGE,
@@ -174,7 +174,7 @@ def draw(results: Results) -> Figure:
     for column, preset in enumerate(presets):
         axes = figure.add_subplot(places[0, 2 * column : 2 * column + 2])
         _draw_path(axes, results["path"][_drawn(results, preset)])
-        axes.set_title(f"{'ab'[column]}  {PRESET_NAMES[preset]}", loc="left")
+        name_panel(axes, "ab"[column], PRESET_NAMES[preset])
     _draw_directions(figure.add_subplot(places[0, 4:]), results)
     late = figure.add_subplot(places[1, :3])
     turns = figure.add_subplot(places[1, 3:])
@@ -217,7 +217,7 @@ def _draw_directions(axes: Axes, results: Results) -> None:
     axes.set_ylim(0.0, 25.0)
     axes.set_xlabel("third loop from course home (deg)")
     axes.set_ylabel("trials (% in a bin of 30°)")
-    axes.set_title("c", loc="left")
+    name_panel(axes, "c")
     axes.legend(loc="upper left")
 
 
@@ -238,7 +238,7 @@ def _draw_distance(axes: Axes, results: Results) -> None:
     axes.set_yscale("log")
     axes.set_xlabel("time since arrival (steps)")
     axes.set_ylabel("median distance from the nest (steps)")
-    axes.set_title("d", loc="left")
+    name_panel(axes, "d")
     axes.legend(title="noise $\\sigma_r$", ncols=5, loc="upper left")
     axes.set_ylim(10.0, 1500.0)
 
@@ -259,7 +259,7 @@ def _draw_turns(axes: Axes, results: Results) -> None:
     axes.axhline(0.0, color=COLOURS["grey"], linewidth=0.6)
     axes.set_xlabel("distance from the nest (steps)")
     axes.set_ylabel("turn towards the nest (deg per step)")
-    axes.set_title("e", loc="left")
+    name_panel(axes, "e")
     axes.legend(loc="upper left")
 
 

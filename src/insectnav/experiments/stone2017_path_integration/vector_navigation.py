@@ -13,7 +13,7 @@ from insectnav.agents.perturbations import SetMemory
 from insectnav.agents.routes import RouteParams, route_arrays
 from insectnav.central_complex import PRESETS, CircuitParams, circuit_params
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.columns import (
     circular_columns,
@@ -208,7 +208,7 @@ def draw(results: Results) -> Figure:
     for letter, (task, words), above, below in zip("abcd", TASKS.items(), *panels, strict=True):
         index = results.only(preset="thesis", noise=NOISES[-1], task=task)
         _draw_trial(above, {name: results[name][index][SHOWN] for name in ("path", "goal", "route_a", "route_b")}, task)
-        above.set_title(letter, loc="left", fontweight="bold")
+        name_panel(above, letter)
         above.set_title(words, fontsize=7.0)
         _draw_closest(below, results, task)
     panels[0, 0].set_ylabel("y (steps)")
