@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FIGURE = "Ext. Data Fig. 10a-c"
+FIGURE = "Ext. Data Fig. 10a–c"
 TITLE = "current injected into compass, speed and steering cells"
 N_OUTBOUND, SPEED = 500, 0.5  # [steps], [steps per time step]
 N_INBOUND = 800

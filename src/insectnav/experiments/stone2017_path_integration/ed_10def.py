@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FIGURE = "Ext. Data Fig. 10d-f"
+FIGURE = "Ext. Data Fig. 10d–f"
 TITLE = "optic flow from another direction than the body's: three circuits"
 VARIANTS = ("non-holonomic", "partially-holonomic", "fully-holonomic")  # d, e, f
 OFFSETS_DEG = (0.0, 45.0, -45.0, 90.0, 135.0, 180.0, RANDOM)

@@ -240,6 +240,7 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
 def _verdict(table: Table, value: Published) -> Verdict:
     """The quantities are named by what is measured, and by the set of constants."""
     measure, _, conditions = value.quantity.partition(", ")
+    measure = measure.removesuffix(" in the code")
     preset = next(preset for preset, name in PRESET_NAMES.items() if conditions.endswith(name))
     longest = max(row["n_steps"] for row in table)
     course = _courses(table)[preset, SHOWN_NOISE]

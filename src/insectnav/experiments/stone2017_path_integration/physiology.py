@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 Reals = NDArray[np.floating[Any]]
 
-FIGURE = "Figs 1-3"
+FIGURE = "Figs 1–3"
 TITLE = "compass and flow cells of the model, analysed as a lab's recordings"
 COMPASS, FLOW = ("tl", "cl1", "tb1"), ("tn1", "tn2")
 SPEEDS_DEG = (60.0, 30.0)  # [°/s] Methods
