@@ -71,7 +71,8 @@ def test_page_shows_published_beside_ours(tmp_path: Path):
     again = shlex.join(["insectnav", "run", "needle", "--scale", "quick", "--seed", "3", "--out", str(tmp_path)])
     assert again in section
     head = html.unescape(seen(page[: page.index("<section")]))
-    assert "1 of 2 experiments have results: of their published numbers, 1 agrees, 1 differs, 1 not comparable." in head
+    assert "1 of 2 experiments have results" in head
+    assert "of their published numbers and claims, 1 agrees, 1 differs, 1 not comparable." in head
     assert f"code {code_version()}" in head
     assert "needle Fig. 1 1 1 1 quick 1 min 23 s" in head
 

@@ -29,7 +29,8 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A report on a real run, results with hostile and very long words, and an experiment that was never run."""
-    out = tmp_path_factory.mktemp("out")
+    out = tmp_path_factory.mktemp("out") / ("out" * 30)
+    out.mkdir()
     with pytest.MonkeyPatch.context() as patched, executor(workers=1) as on:
         patched.setattr(experiments, "_MODULES", SMALL_PAPER)
         run_experiment(load("needle"), "needle", out, on=on)

@@ -123,7 +123,7 @@ def _text(value: object) -> str:
 def _head(report: Report) -> str:
     n_results, n_entries = len(report.with_results), len(report.entries)
     return f"""<h1>Published numbers and ours</h1>
-<p class="lead">{n_results} of {n_entries} experiments have results: of their published numbers,
+<p class="lead">{n_results} of {n_entries} experiments have results: of their published numbers and claims,
 {_text(counts_text(report.verdicts))}.</p>
 <p>Written {report.made.strftime(DATE)} by insectnav {_text(__version__)} (code {_text(report.code)})
 on {_text(report.machine)}, from the results in <code>{_text(report.out)}</code>.</p>

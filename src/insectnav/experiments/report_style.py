@@ -12,7 +12,7 @@ a { color: #004f80; }
 code { font: .9em/1.4 ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; background: #f2f2f2;
   padding: .1em .3em; border-radius: 3px; }
 header p { max-width: 52rem; }
-code span { display: inline-block; max-width: 100%; }
+code span { display: inline-block; max-width: calc(100% - 1em); }
 section { margin-top: 2.5rem; padding-top: 1.5rem; border-top: 1px solid #c8c8c8; }
 .lead { font-size: 1.15rem; }
 .source { margin: .25rem 0 1rem; color: #4a4a4a; }
