@@ -14,11 +14,15 @@ from insectnav.checks import (
     check_count,
     check_finite,
     check_radians,
+    check_range,
     check_shape,
 )
 
 LENGTH_UNITS = ("m", "cm", "mm", "unit")
 TIME_UNITS = ("s", "frame")
+MAX_REACH = 4000.0  # [m] of a world from its origin; single precision then still tells 0.3 mm apart
+MAX_TRIANGLES = 5_000_000
+MIN_FLATNESS = 1e-7  # area over the square of the longest side, below which a triangle is a line
 
 
 def plural_unit(unit: str) -> str:
@@ -98,6 +102,98 @@ class Track:
             name=f"{self.name}, reversed",
             notes=(*self.notes, note),
         )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Mesh:
+    """The surfaces of a world; arrays are read-only copies.
+
+    Parameters
+    ----------
+    vertices : (triangle, 3, 3) array of corners, each x, y, z [m], z up; kept in single precision
+    material : (triangle,) array of int, which of `materials` a triangle is of; None if all are of the first
+    materials : names of the materials
+    grey : (triangle,) array in 0…1, brightness where flat grey is drawn; None if not known
+    name : what to call the world
+    notes : what the user must be told
+
+    Raises
+    ------
+    InputError
+        If there are no triangles, a number is not finite or not sane, or shapes do not agree.
+
+    Notes
+    -----
+    Triangles without area are left out, and `notes` then says how many.
+    """
+
+    vertices: npt.NDArray[Any]
+    material: npt.NDArray[Any] | None = None
+    materials: tuple[str, ...] = ("plant",)
+    grey: npt.NDArray[Any] | None = None
+    name: str = "world"
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        vertices = as_numbers("vertices", self.vertices)
+        check_shape("vertices", vertices, ("triangle", 3, 3))
+        if not 0 < len(vertices) <= MAX_TRIANGLES:
+            raise InputError(f"the mesh has {len(vertices)} triangles, expected 1 to {MAX_TRIANGLES}")
+        check_finite("vertices", vertices)
+        check_range(
+            "vertices",
+            vertices,
+            -MAX_REACH,
+            MAX_REACH,
+            "m",
+            "not in metres, or in map coordinates far from the origin?",
+        )
+        vertices = vertices.astype(np.float32)
+        keep = _has_area(vertices)
+        if not keep.any():
+            raise InputError("no triangle of the mesh has an area, expected some")
+        notes = tuple(self.notes)
+        if not keep.all():
+            notes += (f"triangles without area were left out: {int((~keep).sum())}",)
+        material = np.zeros(len(keep), np.int32) if self.material is None else as_numbers("material", self.material)
+        check_shape("material", material, (len(keep),))
+        if material.dtype.kind == "f":
+            raise InputError("material holds fractions, expected a whole number for each triangle")
+        check_range("material", material, 0, len(self.materials) - 1, slip="a material without a name?")
+        object.__setattr__(self, "vertices", _read_only(vertices[keep], np.float32))
+        object.__setattr__(self, "material", _read_only(material[keep], np.int32))
+        object.__setattr__(self, "materials", tuple(self.materials))
+        object.__setattr__(self, "notes", notes)
+        if self.grey is not None:
+            grey = as_numbers("grey", self.grey)
+            check_shape("grey", grey, (len(keep),))
+            check_range("grey", grey, 0, 1, slip="in 0 to 255?")
+            object.__setattr__(self, "grey", _read_only(grey[keep], np.float32))
+
+    @property
+    def n_triangles(self) -> int:
+        """Number of triangles."""
+        return len(self.vertices)
+
+    @property
+    def bounds(self) -> Floats:
+        """Least and greatest x, y, z (2, 3) [m]."""
+        return np.stack([self.vertices.min(axis=(0, 1)), self.vertices.max(axis=(0, 1))]).astype(np.float64)
+
+
+def _has_area(vertices: npt.NDArray[np.float32]) -> npt.NDArray[np.bool_]:
+    corners = vertices.astype(np.float64)
+    sides = corners[:, [1, 2, 0]] - corners
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=-1) / 2
+    return np.asarray(area > MIN_FLATNESS * (sides**2).sum(axis=-1).max(axis=-1))
+
+
+def _read_only(values: npt.NDArray[Any], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    array = np.ascontiguousarray(values, dtype)
+    if array.base is not None or array is values:
+        array = array.copy()
+    array.setflags(write=False)
+    return array
 
 
 def _frozen_array(name: str, values: npt.ArrayLike, shape: tuple[Any, ...]) -> Floats:

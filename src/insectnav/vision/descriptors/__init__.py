@@ -1,0 +1,52 @@
+"""Descriptors of views: panoramas in, vectors out, which are compared by their Euclidean distance."""
+
+from functools import partial
+
+from insectnav.vision.descriptors.descriptor import Descriptor
+from insectnav.vision.descriptors.frequency_strip import frequency_strip
+from insectnav.vision.descriptors.retinotopic import retinotopic
+from insectnav.vision.descriptors.wrapped_disk import wrap_to_disk, zernike_disk_amplitudes, zernike_disk_coefficients
+from insectnav.vision.descriptors.zernike import zernike_amplitudes, zernike_coefficients
+from insectnav.vision.descriptors.zernike_basis import radial_polynomials, zernike_pairs, zernike_weights
+
+STONE_2018 = "Stone et al. 2018, doi 10.1098/rsfs.2018.0010"
+DESCRIPTORS = {
+    descriptor.name: descriptor
+    for descriptor in (
+        Descriptor(
+            name="retinotopic",
+            describe=retinotopic,
+            is_heading_free=False,
+            source="Zeil et al. 2003, doi 10.1364/JOSAA.20.000450",
+        ),
+        Descriptor(name="zernike", describe=zernike_amplitudes, is_heading_free=True, source=STONE_2018),
+        Descriptor(
+            name="zernike-orthonormal",
+            describe=partial(zernike_amplitudes, order=40, weights="orthonormal"),
+            is_heading_free=True,
+            source="Khotanzad & Hong 1990, doi 10.1109/34.55109",
+        ),
+        Descriptor(name="zernike-disk", describe=zernike_disk_amplitudes, is_heading_free=True, source=STONE_2018),
+        Descriptor(
+            name="frequency-strip",
+            describe=frequency_strip,
+            is_heading_free=True,
+            source="Stürzl & Mallot 2006, doi 10.1016/j.robot.2005.12.001",
+        ),
+    )
+}
+
+__all__ = [
+    "DESCRIPTORS",
+    "Descriptor",
+    "frequency_strip",
+    "radial_polynomials",
+    "retinotopic",
+    "wrap_to_disk",
+    "zernike_amplitudes",
+    "zernike_coefficients",
+    "zernike_disk_amplitudes",
+    "zernike_disk_coefficients",
+    "zernike_pairs",
+    "zernike_weights",
+]

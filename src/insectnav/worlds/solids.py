@@ -1,0 +1,81 @@
+"""Whether an eye is inside a solid, where there is nothing to see."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from insectnav.angles import Floats
+from insectnav.checks import InputError
+from insectnav.worlds.world import World
+
+N_RAYS = 33
+GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
+
+
+def check_outside_solids(world: World, position: Floats, is_suspect: npt.NDArray[np.bool_]) -> None:
+    """Refuse an eye inside a solid or below the surface of a ground that is part of the mesh.
+
+    Parameters
+    ----------
+    world : World
+    position : (n, 3) array [m]
+    is_suspect : (n,) array of bool, places from which no sky is seen; no others need be looked at
+
+    Raises
+    ------
+    InputError
+        If every one of 33 upward rays meets an odd number of triangles.
+
+    Notes
+    -----
+    A ray that starts within a closed surface crosses it an odd number of times. Rays go upwards only, so that houses
+    and trees without a floor count as closed. Leaves and fences have no inside: under them some rays cross an even
+    number of triangles.
+    """
+    seen: dict[tuple[float, ...], bool] = {}
+    for index in np.flatnonzero(is_suspect):
+        eye = position[index]
+        key = tuple(eye.tolist())
+        if key not in seen:
+            seen[key] = all(count_crossings(world, eye, ray) % 2 == 1 for ray in upward_rays())
+        if seen[key]:
+            x, y, z = key
+            raise InputError(
+                f"position {index} at ({x:g}, {y:g}, {z:g}) m is inside a solid or below the ground, expected outside"
+            )
+
+
+def upward_rays() -> Floats:
+    """Unit vectors (ray, 3), evenly spread over the upper hemisphere."""
+    height = (np.arange(N_RAYS) + 0.5) / N_RAYS
+    azimuth = 0.5 + GOLDEN_ANGLE * np.arange(N_RAYS)  # none along the edges of what is built square
+    across = np.sqrt(1 - height**2)
+    return np.stack([across * np.sin(azimuth), across * np.cos(azimuth), height], axis=-1)
+
+
+def count_crossings(world: World, eye: Floats, ray: Floats) -> int:
+    """Number of triangles that a ray meets.
+
+    Parameters
+    ----------
+    world : World
+    eye : (3,) array [m], where the ray starts
+    ray : (3,) unit vector
+
+    Notes
+    -----
+    Möller & Trumbore (1997), Journal of Graphics Tools 2: 21-28.
+    """
+    corners: Any = world.mesh.vertices
+    start = corners[:, 0].astype(np.float64)
+    one, other = corners[:, 1] - start, corners[:, 2] - start
+    normal = np.cross(ray, other)
+    scale = (one * normal).sum(axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        from_start = eye - start
+        u = (from_start * normal).sum(axis=-1) / scale
+        turned = np.cross(from_start, one)
+        v = turned @ ray / scale
+        distance = (turned * other).sum(axis=-1) / scale
+        return int(((u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 0)).sum())

@@ -1,0 +1,94 @@
+"""Where an eye cannot be: inside what is closed, but not under leaves."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from insectnav.checks import InputError
+from insectnav.worlds import render_panorama
+from insectnav.worlds.solids import check_outside_solids, count_crossings, upward_rays
+from solid_shapes import box, quad, soup, sphere, turned, world_of
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def is_inside(world, x, y, z=0.3) -> bool:
+    try:
+        check_outside_solids(world, np.array([[x, y, z]]), np.array([True]))
+    except InputError:
+        return True
+    return False
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(-3, 3), st.floats(-3, 3), st.floats(-np.pi, np.pi))
+def test_a_house_has_an_inside(x, y, angle):
+    east, north = turned(np.array([[x, y, 0.0]]), -angle)[0, :2]
+    margin = max(abs(east), abs(north)) - 1
+    if abs(margin) > 1e-3:
+        assert is_inside(world_of(turned(box(0, 0, 2, 2), angle)), x, y) == (margin < 0)
+
+
+def test_solids_overlap():
+    world = world_of(box(0, 0, 2, 2), box(0.5, 0, 2, 3), box(-0.3, 0.2, 2, 1.5))
+    assert is_inside(world, 0.1, 0.1)
+    assert not is_inside(world, 3, 0)
+
+
+def test_a_ball_in_the_air_has_an_inside_and_room_below():
+    world = world_of(sphere(8, 12, 1.0, (0, 0, 3)))
+    assert is_inside(world, 0.1, 0.2, 3.1)
+    assert not is_inside(world, 0.1, 0.2, 1.0)
+    assert not is_inside(world, 0.1, 0.2, 5.0)
+
+
+def test_below_a_ground_that_is_part_of_the_mesh():
+    ground = quad((-999, -999, 1), (999, -999, 1), (999, 999, 1), (-999, 999, 1))
+    world = world_of(ground)
+    assert is_inside(world, 0, 0, 0.5)
+    assert not is_inside(world, 0, 0, 1.5)
+
+
+def test_leaves_have_no_inside():
+    """A closed canopy of leaves two deep, through which no sky is seen."""
+    leaf = quad((-99, -99, 2), (99, -99, 2), (99, 99, 2), (-99, 99, 2))
+    assert not is_inside(world_of(leaf, 1.1 * leaf), 0, 0)
+
+
+@settings(max_examples=15, deadline=None)
+@given(seeds)
+def test_the_renderer_never_refuses_a_place_from_which_sky_is_seen(seed):
+    world = world_of(soup(seed, 30))
+    for place in np.random.default_rng(seed).uniform(-8, 8, (5, 1, 2)):
+        view = None
+        try:
+            view = render_panorama(world, place, 0.0, resolution_deg=5.0, supersampling=1)
+        except InputError:
+            assert is_inside(world, *place[0], 0.01)
+        assert view is None or view.shape == (1, 21, 72)
+
+
+def test_rays_are_spread_evenly_over_the_upper_hemisphere():
+    rays = upward_rays()
+    np.testing.assert_allclose(np.linalg.norm(rays, axis=-1), 1)
+    np.testing.assert_allclose(rays[:, 2].mean(), 0.5)  # of a hemisphere
+    assert rays[:, 2].min() > 0
+    assert np.linalg.norm(rays[:, :2].mean(axis=0)) < 0.1
+
+
+def test_crossings_are_counted():
+    world = world_of(box(0, 5, 2, 4), box(0, 9, 2, 4))
+    eye = np.array([0.1, 0.2, 1.0])
+    assert count_crossings(world, eye, np.array([0.0, 1.0, 0.0])) == 4
+    assert count_crossings(world, eye, np.array([0.0, -1.0, 0.0])) == 0
+    assert count_crossings(world, eye, np.array([0.0, 0.0, 1.0])) == 0
+    assert count_crossings(world, np.array([0.1, 5.2, 1.0]), np.array([0.0, 0.0, 1.0])) == 1
+
+
+@pytest.mark.parametrize("index", [0, 2])
+def test_the_first_such_place_is_named(index):
+    places = np.array([[4.0, 0.0], [5.0, 0.0], [6.0, 0.0]])
+    places[index] = 0.1
+    with pytest.raises(InputError, match=rf"position {index} at \(0.1, 0.1, 0.01\) m is inside a solid"):
+        render_panorama(world_of(box(0, 0, 2, 2)), places, 0.0)
