@@ -21,7 +21,7 @@ PACKAGE = "insectnav"
 LEVELS = (
     (PACKAGE,),
     ("checks",),
-    ("angles", "rng", "lanes"),
+    ("angles", "rng", "lanes", "workers"),
     ("records",),
     ("central_complex", "vision", "metrics"),
     ("agents", "matching", "worlds", "datasets"),

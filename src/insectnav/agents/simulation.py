@@ -1,6 +1,5 @@
 """Trials in batches, from arrays to arrays, on all cores."""
 
-import os
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -27,6 +26,7 @@ from insectnav.checks import (
 )
 from insectnav.lanes import LANES
 from insectnav.rng import trial_streams
+from insectnav.workers import count_workers
 
 Reals = NDArray[np.floating[Any]]
 BLOCKS_PER_TASK = 4  # small enough to keep all cores busy until the end
@@ -138,7 +138,7 @@ def simulate_trials(
         return last - first
 
     tasks = range(0, n_trials, BLOCKS_PER_TASK * LANES)
-    with ThreadPoolExecutor(min(_count_workers(workers), len(tasks))) as pool:
+    with ThreadPoolExecutor(min(count_workers(workers), len(tasks))) as pool:
         for n_finished in pool.map(run_task, tasks):
             if progress is not None:
                 progress(n_finished)
@@ -167,10 +167,3 @@ def _check_routes(heading: Reals, velocity: Reals, dtype: DTypeLike) -> tuple[Re
     check_radians("route heading", heading)
     check_finite("route velocity", velocity)
     return np.require(heading, dtype, ["C", "W"]), np.require(velocity, dtype, ["C", "W"])
-
-
-def _count_workers(workers: int | None) -> int:
-    if workers is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    check_count("workers", workers)
-    return workers

@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from insectnav.checks import InputError, check_count, quoted
+from insectnav.checks import InputError, quoted
+from insectnav.workers import count_workers
 
 if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
@@ -79,17 +80,16 @@ def executor(workers: int | None = None, cluster: str | None = None) -> Iterator
     -----
     A block that ends with an error ends local processes at once; they also end with the process that started them.
     """
-    if workers is not None:
-        check_count("workers", workers)
+    n_workers = count_workers(workers)
     if cluster is not None:
         if workers is not None:
             raise InputError("both workers and cluster are given, expected one: the cluster has workers of its own")
         with _client(cluster) as client:
             yield Cluster(client)
-    elif (workers or _n_cores()) == 1:
+    elif n_workers == 1:
         yield HereAndNow()
     else:
-        with _processes(workers or _n_cores()) as pool:
+        with _processes(n_workers) as pool:
             yield pool
 
 
@@ -146,7 +146,3 @@ def _client(address: str) -> Iterator[Any]:
             yield client
     finally:
         logger.setLevel(level)
-
-
-def _n_cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

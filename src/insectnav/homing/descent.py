@@ -1,6 +1,5 @@
 """Ways down a surface that is known on a grid: bicubic interpolation and steepest descent."""
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
@@ -8,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError, as_numbers, check_count, check_finite, check_range, check_shape
+from insectnav.workers import count_workers
 
 Reals = NDArray[np.floating[Any]]
 OUTCOMES = ("goal", "minimum", "edge", "unfinished")
@@ -110,7 +110,7 @@ def descend(
         descend_all(first, last, padded, flat, *target, radius, step / spacing, max_steps, ends, outcomes, n_steps)
 
     tasks = range(0, len(flat), STARTS_PER_TASK)
-    with ThreadPoolExecutor(_count_workers(workers)) as pool:
+    with ThreadPoolExecutor(count_workers(workers)) as pool:
         list((pool.map if len(tasks) > 1 else map)(run_task, tasks))
     shape = places.shape[:-1]
     return Descent((ends * spacing).reshape(places.shape), outcomes.reshape(shape)[()], n_steps.reshape(shape)[()])
@@ -159,10 +159,3 @@ def _places(name: str, positions: ArrayLike, spacing: float, padded: Reals, shap
     for axis, letter in enumerate("xy"):
         check_range(f"{letter} of {name}", places[..., axis] * spacing, 0.0, extent[axis] * spacing, "m", OUTSIDE)
     return places
-
-
-def _count_workers(workers: int | None) -> int:
-    if workers is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    check_count("workers", workers)
-    return workers

@@ -1,6 +1,5 @@
 """Panoramas of a world: what an eye sees all round, from many places at once."""
 
-import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -12,13 +11,13 @@ from insectnav.checks import (
     InputError,
     as_numbers,
     check_choice,
-    check_count,
     check_finite,
     check_radians,
     check_range,
     check_shape,
     quoted,
 )
+from insectnav.workers import count_workers
 from insectnav.worlds.solids import check_outside_solids
 from insectnav.worlds.world import World, check_positions
 
@@ -226,9 +225,7 @@ def run_in_threads(
     workers, progress
         As of `render_panorama`.
     """
-    if workers is None:
-        workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    check_count("workers", workers)
+    workers = count_workers(workers)
     size = max(1, min(VIEWS_PER_TASK, -(-n // workers)))
     pieces = [(first, min(first + size, n)) for first in range(0, n, size)]
 
