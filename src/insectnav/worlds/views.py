@@ -215,8 +215,8 @@ def _values(
     world: World | LitWorld, layers: Sequence[str], samples: Samples, position: Floats, pixel_angle: float
 ) -> Layers:
     """Mean of each layer over the samples of each pixel, (pixel,)."""
-    found: Layers = {}
-    nearness = samples.nearness.mean(axis=1) if {"nearness", "depth"} & set(layers) else None
+    found: dict[str, Any] = {}
+    nearness = samples.nearness.mean(axis=1)
     if isinstance(world, LitWorld) and set(world.bands) & set(layers):
         found |= _radiance(world, samples, position, pixel_angle)
     for layer in layers:
