@@ -17,6 +17,7 @@ from insectnav.worlds.materials import MATERIALS, mirror_fraction
 from insectnav.worlds.shadow_map import light_frame
 from insectnav.worlds.sky import Sky
 from insectnav.worlds.skylight import BANDS
+from shading_oracle import shade
 from solid_shapes import quad, soup, wall
 
 NAMES = tuple(BANDS)
@@ -145,6 +146,37 @@ def test_sky_is_the_sky_and_the_sun_has_its_light():
         extra = ((with_sun[band][0] - smooth) * solid_angle[:, None]).sum()
         assert extra == pytest.approx(irradiance[k], rel=0.05)
         assert plain[band].shape == (1, 45, 180)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_it_equals_a_plain_implementation_without_shadows(seed):
+    """Triangles of many materials at random, in a textured world; only the table of the sky stands between the two."""
+    materials = ("leaves", "brick", "window", "metal", "straw", "dark paint")
+    triangles = soup(seed)
+    material = np.random.default_rng(seed).integers(0, len(materials), len(triangles))
+    mesh = Mesh(vertices=triangles, material=material, materials=materials)
+    sky = replace(CLEAR, clouds=CloudField(cover=1.0, variation=0.0)) if seed == 2 else CLEAR
+    world = light_world(mesh, sky, shadows=False, extent=EVERYWHERE, grain=Grain(seed=seed))
+    rays = panorama(5.0, (-90.0, 90.0)).pixel_directions().reshape(-1, 3)
+    eye = np.array([0.5, -0.3, 0.4])
+    seen = render(world, [eye], directions=rays, layers=(*NAMES, "triangle", "nearness"))
+    plain = shade(world, rays, seen["triangle"][0], seen["nearness"][0], eye)
+    ours = np.stack([seen[band][0] for band in NAMES], axis=-1)
+    assert_allclose(ours, plain, rtol=0.03)
+    assert np.median(np.abs(ours / plain - 1)) < 1e-4
+    assert len(np.unique(seen["triangle"])) > 50
+
+
+def test_shadows_by_maps_are_those_of_exact_rays():
+    """Away from edges; 4 cm pixels of the sun's map, 20 cm of those of the sky, in a world of 10 m."""
+    world = lit(soup(8), material="brick")
+    rays = panorama(6.0, (-90.0, 90.0)).pixel_directions().reshape(-1, 3)
+    eye = np.array([0.0, 0.0, 0.5])
+    seen = render(world, [eye], directions=rays, layers=("red", "triangle", "nearness"))
+    plain = shade(world, rays, seen["triangle"][0], seen["nearness"][0], eye)
+    ratio = seen["red"][0] / plain[:, 3]
+    assert (np.abs(ratio - 1) < 0.1).mean() > 0.9
+    assert np.mean(ratio) == pytest.approx(1.0, abs=0.02)
 
 
 def test_parts_of_the_sky_add_up_to_the_whole():
