@@ -177,11 +177,11 @@ def halo_radiance(angle: ArrayLike, flare: LensFlare) -> Reals:
     Notes
     -----
     (1 - cos α + c)^(-slope / 2) at the angle α, c = halo_core² / 2, scaled to integrate to 1 over the sphere: like
-    α^(-slope) beyond the core. The wings of images fall so: by the inverse square of the angle over a factor of 1000, up to 6°,
-    with 5 % of the light (King 1971, doi 10.1086/129100); at least by it in a survey of instruments (Sandin 2014, doi
-    10.1051/0004-6361/201423429); by that of its sine up to a right angle from polished and dusty surfaces (KenKnight
-    1984, ntrs.nasa.gov/citations/19850009602); telephoto lenses with good coatings have several times less of it
-    (Abraham & van Dokkum 2014, doi 10.1086/674875).
+    α^(-slope) beyond the core. The wings of images fall so: by the inverse square of the angle over a factor of 1000,
+    up to 6°, with 5 % of the light (King 1971, doi 10.1086/129100); at least by it in a survey of instruments (Sandin
+    2014, doi 10.1051/0004-6361/201423429); by that of its sine up to a right angle from polished and dusty surfaces
+    (KenKnight 1984, ntrs.nasa.gov/citations/19850009602); telephoto lenses with good coatings have several times less
+    of it (Abraham & van Dokkum 2014, doi 10.1086/674875).
     """
     core, power = flare.halo_core**2 / 2.0, flare.halo_slope / 2.0
     if power == 1.0:
