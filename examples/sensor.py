@@ -27,53 +27,26 @@ from insectnav.vision import (
     fisheye,
     halo_radiance,
     ideal_sensor,
-    panorama,
     srgb_encoded,
 )
-from insectnav.worlds import World, render_layers
+from insectnav.worlds import light_world, render
 from insectnav.worlds.builders import BUILDERS, build_world
-from insectnav.worlds.materials import MATERIALS, reflectance
 from insectnav.worlds.sky import Sky
-from insectnav.worlds.skylight import BANDS
 
 BAND_NAMES = ("uv", "green")
-SEED, N_PIXELS, SUPERSAMPLING = 1, 240, 2
+SEED, N_PIXELS = 1, 240
 sky = Sky(sun_azimuth=np.deg2rad(-25.0), sun_elevation=np.deg2rad(42.0), turbidity=2.5)
 
-# %% Radiance of the view: sky with its sun, and surfaces that reflect half of the light that a level sheet gets
+# %% Radiance of the view, and whether the sun is to be seen
 built = build_world("suburban-street", SEED)
-names = list(BANDS)
-world = World(
-    mesh=built.mesh,
-    brightness={band: reflectance(built.mesh.materials, band)[built.mesh.material] for band in BAND_NAMES},
-    sky=dict.fromkeys(BAND_NAMES, 0.0),
-    ground={band: MATERIALS["soil"].diffuse[names.index(band)] for band in BAND_NAMES},
-)
-at = built.route[round(0.38 * (len(built.route) - 1))]
-eye = np.array([[at[0], at[1], built.ground_height(at) + BUILDERS["suburban-street"].eye_height]])
-around = render_layers(world, eye, np.zeros(1), (*BAND_NAMES, "sky"), resolution_deg=0.25, supersampling=2)
-
+world = light_world(built, sky)
+x, y = built.route[round(0.38 * (len(built.route) - 1))]
+eye = [(x, y, built.ground_height((x, y)) + BUILDERS["suburban-street"].eye_height)]
 camera = fisheye((N_PIXELS, N_PIXELS), np.pi)
-fine = fisheye((SUPERSAMPLING * N_PIXELS,) * 2, np.pi)
-looks, shown = fine.pixel_directions(), fine.pixels_seen()
-pixels = panorama(0.25).project(looks[shown])[0].astype(int)
-columns, rows = np.minimum(pixels[:, 0], 1439), np.minimum(pixels[:, 1], 419)
+seen = render(world, eye, camera=camera, layers=BAND_NAMES, supersampling=2)
+views = {band: seen[band][0] for band in BAND_NAMES}
 white = dict(zip(BAND_NAMES, sky.irradiance(BAND_NAMES) / np.pi, strict=True))
-
-
-def view_of(band: str) -> np.ndarray:
-    """Radiance of the view in one band, (row, column), 0 beyond the rim."""
-    seen = around[band][0, rows, columns] * 0.5 * white[band]
-    seen = seen + around["sky"][0, rows, columns] * sky.radiance(looks[shown], [band])[:, 0]
-    whole = np.zeros(fine.size)
-    whole[shown] = seen
-    view = whole.reshape(N_PIXELS, SUPERSAMPLING, N_PIXELS, SUPERSAMPLING).mean(axis=(1, 3))
-    return np.where(camera.pixels_seen(), view, 0.0)
-
-
-views = {band: view_of(band) for band in BAND_NAMES}
-column, row = panorama(0.25).project(sky.sun)[0].astype(int)
-visible = float(around["sky"][0, row, column])
+visible = float(render(world, eye, directions=sky.sun, layers=("sky",))["sky"][0])
 print(f"sun at {np.rad2deg(sky.sun_elevation):.0f}°, {100 * visible:.0f} % of it to be seen")
 
 # %% Four cameras. The exposure lets two pixels in a hundred saturate, the same for all of a band
