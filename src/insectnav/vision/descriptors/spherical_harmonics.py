@@ -138,9 +138,10 @@ def sphere_coefficients(
 
     Notes
     -----
-    Of points without rows all harmonics are evaluated in each call, which takes 0.1 s for 2000 points and 120 degrees
-    besides 2 to 3 ms a view: give them in batches. 2000 points on the hemisphere under 120 degrees, 14 400 harmonics,
-    are the published choice.
+    Of points without rows all harmonics are evaluated anew in each call, which takes far longer than the sums over one
+    view: give them in batches. 2000 points for 120 degrees, 14 400 harmonics, are the published choice. What a plain
+    sum over n points makes of a harmonic they do not carry has L²/n times its power, spread over all L degrees.
+    Fourier transforms are slow where half the number of columns has a large prime factor: 240 rings rather than 241.
     """
     array, project = _of_grid(values, grid, n_degrees, unseen)
     return describe_batches(array, project, n_degrees**2)
