@@ -27,6 +27,7 @@ N_DEGREES = 120  # Stone, Differt, Milford & Webb, ICRA 2016, section IV
 ELEVATION_DEG = (-15.0, 90.0)  # [°] of the panoramas of `insectnav.worlds.render_panorama`
 QUADRATURES = ("fejer", "cells")
 _NODES_PER_ROW = 16  # Gauss-Legendre within a row; enough for any row that the degrees resolve
+_VIEWS_AT_ONCE = 8  # whose waves stay in a processor's cache
 _NEGLIGIBLE = 1e-20  # of the largest function of the same order
 
 
@@ -306,7 +307,9 @@ def _project(values: NDArray[np.float64], basis: RowBasis) -> Reals:
     from insectnav.vision.descriptors.harmonic_kernel import project_rows
 
     coefficients = np.empty((len(values), len(basis.factors) ** 2))
-    project_rows(np.fft.rfft(values, axis=-1), *basis, coefficients)
+    for first in range(0, len(values), _VIEWS_AT_ONCE):
+        some = slice(first, first + _VIEWS_AT_ONCE)
+        project_rows(np.fft.rfft(values[some], axis=-1), *basis, coefficients[some])
     return coefficients
 
 
