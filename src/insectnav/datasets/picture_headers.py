@@ -37,7 +37,8 @@ def read_header(data: bytes) -> Header | None:
 
 def _jpeg_header(data: bytes) -> Header | None:
     """Walk from segment to segment up to the coded picture, after which only the end marker is searched for."""
-    at, size = 2, None
+    at = 2
+    size: tuple[int, int] | None = None
     while at < len(data):
         if data[at] != 0xFF:
             return None
@@ -47,7 +48,8 @@ def _jpeg_header(data: bytes) -> Header | None:
             continue
         (length,) = struct.unpack(">H", data[at + 2 : at + 4])
         if marker in _JPEG_FRAMES:
-            size = struct.unpack(">HH", data[at + 5 : at + 9])
+            rows, columns = struct.unpack(">HH", data[at + 5 : at + 9])
+            size = (rows, columns)
         if marker == 0xDA:
             return Header("JPEG", *size, data.find(b"\xff\xd9", at + length) > 0) if size else None
         at += 2 + length

@@ -1,4 +1,4 @@
-"""Tests of two methods on the same pictures: is one better, and is one more even?"""
+"""Two methods on the same pictures: whether one is better, and whether one is more even."""
 
 from typing import NamedTuple
 

@@ -80,11 +80,11 @@ def skyline(mask: ArrayLike, valid: ArrayLike | None = None) -> Reals:
     counts = np.ones(sky.shape, bool) if valid is None else np.asarray(valid, dtype=bool)
     down = (sky[1:] != sky[:-1]) & counts[1:] & counts[:-1]
     right = (sky[:, 1:] != sky[:, :-1]) & counts[:, 1:] & counts[:, :-1]
-    return np.concatenate([np.argwhere(down) + [0.5, 0.0], np.argwhere(right) + [0.0, 0.5]])
+    return np.concatenate([np.argwhere(down) + np.array([0.5, 0.0]), np.argwhere(right) + np.array([0.0, 0.5])])
 
 
 def skyline_heights(mask: ArrayLike) -> NDArray[np.int64]:
-    """Rows of sky from the top of each column down to the first pixel of ground, (..., columns) [px], in a view ahead."""
+    """Rows of sky from the top of each column down to the first ground, (..., columns) [px], in a view ahead."""
     sky = np.asarray(mask, dtype=bool)
     return np.where(sky.all(axis=-2), sky.shape[-2], np.argmin(sky, axis=-2))
 
@@ -117,8 +117,7 @@ def label_correlation(masks: ArrayLike) -> Reals:
 
     Notes
     -----
-    r(x, y) = cov*(x, y) / sqrt(var*(x) var*(y)), Stone et al. (2014), Eq. 3, where the root of the denominator is
-    missing in print.
+    r(x, y) = cov*(x, y) / sqrt(var*(x) var*(y)), Stone et al. (2014), Eq. 3.
     """
     labels = _stack(masks).reshape(len(_stack(masks)), -1).astype(np.float32)
     labels -= labels.mean(axis=1, keepdims=True, dtype=np.float64).astype(np.float32)

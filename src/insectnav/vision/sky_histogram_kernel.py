@@ -97,8 +97,8 @@ def persistent_valley(heights, order, parent, peak):
 def steps_across(values, levels, mask, whole_step):
     """Mean change of value across the outline of a mask, as a share of ``whole_step`` and at most 1; pairs counted.
 
-    Across each border between two pixels in a row or a column, the change is taken over four pixels, two on either side,
-    so that an outline blurred over a pixel still counts as a full step.
+    Across each border between two pixels in a row or a column, the change is taken over four pixels, two on either
+    side, so that an outline blurred over a pixel still counts as a full step.
     """
     rows, columns = mask.shape
     total, n = 0.0, 0

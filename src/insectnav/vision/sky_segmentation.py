@@ -8,7 +8,7 @@ geometry of the picture decides which side of the threshold is sky.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,7 +28,7 @@ from insectnav.vision.sky_channels import (
 )
 from insectnav.vision.sky_clusters import kmeans_score, mixture_score
 from insectnav.vision.sky_confidence import chance_of_being_higher, confidence
-from insectnav.vision.sky_geometry import Bools, Geometry, checked_mask, geometry
+from insectnav.vision.sky_geometry import MIN_PIXELS, Bools, Geometry, geometry
 from insectnav.vision.sky_histogram_kernel import split
 from insectnav.vision.sky_thresholds import Histogram, histogram, otsu, watershed_islands, watershed_merge
 from insectnav.vision.skylight import SKYLIGHT, SkylightParams, skylight
@@ -95,10 +95,11 @@ def segment(
 
     Parameters
     ----------
-    image : (rows, columns) or (rows, columns, band) array of uint8, uint16 or any real type; bands are red, green, blue,
-        or UV and green
+    image : (rows, columns) or (rows, columns, band) array of uint8, uint16 or any real type; bands are red, green,
+        blue, or UV and green
     method : "otsu", "watershed" (merge) or "watershed-islands" on one channel; "kmeans" or "gmm" on one or more;
-        "fixed", a `threshold` given or trained by `train_threshold`; or "skylight", for photographs in colour
+        "fixed", a `threshold` that is known or trained (`insectnav.vision.sky_training`); or "skylight", for
+        photographs in colour
     channels : "mean" of all bands, "grey", "red", "green", "blue"; "rgb", "lab-ab" or "uv-green" for kmeans and gmm.
         None takes the mean where a method needs one channel, all bands where it does not
     view : "ahead", the top of the picture is up; "up", its middle is
@@ -117,8 +118,8 @@ def segment(
 
     Notes
     -----
-    Sky is the class whose pixels lie higher in the mean of all pairs; `fixed` and `skylight` take the brighter one. What
-    the confidence is made of: `insectnav.vision.sky_confidence`.
+    Sky is the class whose pixels lie higher in the mean of all pairs; "fixed" and "skylight" take the brighter one.
+    What the confidence is made of: `insectnav.vision.sky_confidence`.
     """
     check_choice("method", method, METHODS)
     if (threshold is None) == (method == "fixed"):
@@ -136,64 +137,20 @@ def segment(
     return _by_threshold(picture, method, chosen, where, threshold)
 
 
-def train_threshold(
-    images: Iterable[ArrayLike],
-    truths: Iterable[ArrayLike],
-    *,
-    channels: str | None = None,
-    valid: Iterable[ArrayLike | None] | None = None,
-) -> float:
-    """The one threshold for all pictures that labels most pixels right, for `segment(..., "fixed", threshold=...)`.
-
-    Parameters
-    ----------
-    images : as for `segment`, all of one type
-    truths : (rows, columns) arrays of bool, True for sky
-    channels : one channel; None for the mean of all bands
-    valid : for each image an array of bool, False where the truth is unknown, or None
-
-    Notes
-    -----
-    Sky is taken to be brighter. Every value that occurs is tried.
-    """
-    skies, grounds = [], []
-    pictures, labels = list(images), list(truths)
-    known = [None] * len(pictures) if valid is None else list(valid)
-    check_count("number of images", len(pictures))
-    if not len(pictures) == len(labels) == len(known):
-        raise InputError(f"{len(pictures)} images and {len(labels)} truths are given, expected one for each")
-    for image, truth, counts in zip(pictures, labels, known, strict=True):
-        picture = checked_picture(image)
-        values = one_channel(picture, channel_name(picture, channels, one=True))
-        is_sky = checked_mask("truth", truth, values.shape)
-        used = np.ones(values.shape, bool) if counts is None else checked_mask("valid", counts, values.shape)
-        skies.append(values[is_sky & used])
-        grounds.append(values[~is_sky & used])
-    return _best_threshold(np.concatenate(skies).astype(np.float64), np.concatenate(grounds).astype(np.float64))
-
-
-def _best_threshold(sky: NDArray[np.float64], ground: NDArray[np.float64]) -> float:
-    if not sky.size or not ground.size:
-        raise InputError("the truths hold only one of sky and ground, expected both")
-    values = np.unique(np.concatenate([sky, ground]))
-    n_ground = np.searchsorted(np.sort(ground), values, side="right")  # right if the threshold is just above a value
-    n_sky_missed = np.searchsorted(np.sort(sky), values, side="right")
-    best = int(np.argmax(n_ground - n_sky_missed))
-    return float((values[best] + values[min(best + 1, len(values) - 1)]) / 2.0)
-
-
 def _by_threshold(picture: Picture, method: str, channels: str, where: Geometry, threshold: float | None) -> SkyMask:
     values = one_channel(picture, channels)
-    counts = _histogram_or_refuse(values, where)
     notes: tuple[str, ...] = ()
     if threshold is not None:
         check_finite("threshold", threshold)
-        found: float | None = float(threshold)
+        found, is_brighter = float(threshold), True
     else:
-        found = THRESHOLDS[method](counts)
-    if found is None:
-        found, notes = otsu(counts), ("the histogram has no two peaks; Otsu's threshold took the place of a valley",)
-    mask, is_brighter = _divided(values, found, counts, where, always_brighter=threshold is not None)
+        counts = _histogram_or_refuse(values, where)
+        valley = THRESHOLDS[method](counts)
+        if valley is None:
+            notes = ("the histogram has no two peaks; Otsu's threshold took the place of a valley",)
+        found = otsu(counts) if valley is None else valley
+        is_brighter = _is_sky_brighter(counts, found)
+    mask = _divided(values, found, is_brighter, where)
     return SkyMask(
         mask=mask,
         threshold=found,
@@ -218,7 +175,8 @@ def _by_clusters(picture: Picture, method: str, channels: str, where: Geometry, 
     counts = histogram(score, where.levels)
     if counts is None:
         raise InputError(f"{method} finds one cluster alone, expected sky and ground: a covered lens?")
-    mask, is_brighter = _divided(score, threshold, counts, where)
+    is_brighter = _is_sky_brighter(counts, threshold)
+    mask = _divided(score, threshold, is_brighter, where)
     return SkyMask(
         mask=mask,
         threshold=threshold * full_scale(picture) if method == "kmeans" and channels in ONE_CHANNEL else threshold,
@@ -248,17 +206,18 @@ def _by_skylight(picture: Picture, channels: str, where: Geometry, params: Skyli
     )
 
 
-def _divided(
-    values: NDArray[Any], threshold: float, counts: Histogram, where: Geometry, always_brighter: bool = False
-) -> tuple[Bools, bool]:
-    """Mask by a threshold, and whether sky is above it: the class that lies higher, unless it is known to be brighter."""
+def _is_sky_brighter(counts: Histogram, threshold: float) -> bool:
+    """Whether the class above the threshold is the one that lies higher in the picture."""
     centres = counts.edge(0.5) + np.arange(counts.counts.shape[1]) * counts.width
     above = counts.counts[:, centres > threshold].sum(axis=1)
     below = counts.counts.sum(axis=1) - above
-    is_brighter = always_brighter or chance_of_being_higher(above, below) >= 0.5
+    return bool(chance_of_being_higher(above, below) >= 0.5)
+
+
+def _divided(values: NDArray[Any], threshold: float, is_sky_brighter: bool, where: Geometry) -> Bools:
     mask = np.empty(values.size, np.bool_)
-    split(np.ravel(values), np.ravel(where.levels), np.float32(threshold), is_brighter, mask)
-    return mask.reshape(values.shape), bool(is_brighter)
+    split(np.ravel(values), np.ravel(where.levels), np.float32(threshold), is_sky_brighter, mask)
+    return mask.reshape(values.shape)
 
 
 def _histogram_or_refuse(values: NDArray[Any], where: Geometry) -> Histogram:
@@ -284,6 +243,6 @@ def _without_flare(picture: Picture, where: Geometry) -> Geometry:
     reach = 2 * max(1, round(FLARE_MARGIN * min(flare.shape))) + 1
     kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
     widened = cv2.dilate(flare.view(np.uint8), kernel).astype(bool)
-    if np.count_nonzero(where.valid & ~widened) < 16:
+    if np.count_nonzero(where.valid & ~widened) < MIN_PIXELS:
         raise InputError("flare covers the whole image, expected some of it to be less bright: an overexposed picture?")
     return where.without(widened)

@@ -1,10 +1,10 @@
 """Sky in ordinary photographs, without training: bright, bluish or neutral, smooth, and joined to what is above.
 
-Built for people without an ultraviolet camera. Brightness alone takes sunlit walls for sky and blue sky for ground. Four
-things that hold for daylight skies set them apart: skylight is never yellowish where the white balance is sound, while
-what the sun lights mostly is; it is smooth from pixel to pixel, while leaves, bricks and twigs are not; in a picture of
-shade, lit surfaces and sky, the sky is the brightest of three classes; and sky hangs together from the top of a picture
-ahead, or from the zenith.
+Built for people without an ultraviolet camera. Brightness alone takes sunlit walls for sky and blue sky for ground.
+Four things that hold for daylight skies set them apart: skylight is hardly ever yellowish where the white balance is
+sound, while what the sun lights mostly is; it is smooth from pixel to pixel, while leaves, bricks and twigs are not; in
+a picture of shade, lit surfaces and sky, the sky is the brightest of three classes; and sky hangs together from the top
+of a picture ahead, or from the zenith.
 """
 
 from dataclasses import dataclass
@@ -79,7 +79,7 @@ def skylight(picture: Picture, where: Geometry, params: SkylightParams = SKYLIGH
 
     Parameters
     ----------
-    picture : (rows, columns, 3) red, green, blue, or (rows, columns), of any type; colour counts for nothing in the latter
+    picture : (rows, columns, 3) red, green, blue, or (rows, columns), of any type
     where : elevation of the pixels, and which of them count
 
     Notes
@@ -121,7 +121,7 @@ def _reduced(picture: Picture, where: Geometry, params: SkylightParams) -> tuple
 
     rows, columns = picture.shape[:2]
     factor = min(rows, columns) / params.working_side
-    levels = where.levels
+    levels: NDArray[Any] = where.levels
     if factor > 1.0:
         size = (round(columns / factor), round(rows / factor))
         picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
@@ -172,7 +172,7 @@ def _grown(mask: Bools, allowed: Bools, n_pixels: int) -> Bools:
 def _joined_to_the_top(
     core: Bools, raw: Singles, levels: NDArray[np.uint8], looks_up: bool, threshold: float, params: SkylightParams
 ) -> Bools:
-    """Parts of the core that hang together with the top of the picture, or with the zenith; the largest if none does."""
+    """Parts of the core that hang together with the top, or with the zenith; the largest where none does."""
     import cv2
 
     n_parts, part, statistics, _ = cv2.connectedComponentsWithStats(core.view(np.uint8), connectivity=4)
