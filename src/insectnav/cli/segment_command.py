@@ -15,8 +15,9 @@ def segment(
     method: Annotated[
         list[str] | None,
         typer.Option(
-            help="NAME or NAME:CHANNELS, of which NAME is otsu, watershed, watershed-islands, kmeans, gmm, skylight, fixed (with --threshold), trained (with "
-            "--truth); may be given several times [default: skylight for pictures in colour, watershed for others]."
+            help="NAME or NAME:CHANNELS, where NAME is otsu, watershed, watershed-islands, kmeans, gmm, skylight, "
+            "fixed (with --threshold) or trained (with --truth); may be given several times [default: skylight for "
+            "pictures in colour, watershed for others]."
         ),
     ] = None,
     channels: Annotated[

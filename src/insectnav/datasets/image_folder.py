@@ -144,7 +144,7 @@ def _decoded(data: bytes, name: str, kind: str) -> Picture:
         raise InputError(f"{name} cannot be decoded, expected a sound {kind}: damaged?")
     if picture.dtype not in (np.uint8, np.uint16, np.float32):
         raise InputError(f"{name} holds {picture.dtype} values, expected 8 or 16 bits or single precision")
-    return np.ascontiguousarray(picture[..., ::-1]) if picture.ndim == 3 else picture
+    return cv2.cvtColor(picture, cv2.COLOR_BGR2RGB) if picture.ndim == 3 else picture
 
 
 def read_mask(path: str | os.PathLike[str]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

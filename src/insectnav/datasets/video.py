@@ -48,6 +48,8 @@ def video_frames(path: str | os.PathLike[str], step: int = 1) -> Iterator[tuple[
     InputError
         If the file cannot be opened as a video, or holds no frame that can be decoded.
     """
+    import cv2
+
     check_count("step", step)
     with closing(_Capture(path)) as capture:
         number = 0
@@ -56,7 +58,7 @@ def video_frames(path: str | os.PathLike[str], step: int = 1) -> Iterator[tuple[
                 is_there, frame = capture.source.retrieve()
                 if not is_there:
                     break
-                yield number, np.ascontiguousarray(frame[..., ::-1])
+                yield number, np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8)
             number += 1
         if number == 0:
             raise InputError(f"{quoted(Path(path).name, 200)} holds no frame that can be decoded: truncated?")

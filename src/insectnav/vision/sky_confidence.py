@@ -4,12 +4,13 @@ Four things tell a mask from a random or arbitrary one: sky lies above ground; b
 across the skyline; and there is some of either. Each is a number from 0 to 1, and the confidence is their product.
 """
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.vision.sky_histogram_kernel import LEFT_OUT, steps_across
+from insectnav.vision.sky_histogram_kernel import LEFT_OUT, steps_across, sum_classes
 from insectnav.vision.sky_thresholds import N_LEVELS
 
 Bools = NDArray[np.bool_]
@@ -17,6 +18,7 @@ Bools = NDArray[np.bool_]
 SURE_ODDS = 0.75  # chance that sky is above ground from which on geometry leaves no doubt; assumed, as the next two
 SURE_STEP = 0.5  # change across the skyline, as a share of the difference of the means, from which on it is an edge
 SURE_SHARE = 0.01  # of the picture that sky and ground must each fill; less may be a speck
+ENOUGH_PIXELS = 500_000  # of larger pictures every so many rows and columns are looked at
 DOUBTFUL = 0.5  # a confidence below is worth a look; assumed
 
 
@@ -46,20 +48,21 @@ def confidence(values: NDArray[Any], mask: Bools, levels: NDArray[np.uint8]) -> 
     mean change of brightness across the skyline over half the difference of the means of sky and ground, at most 1 at
     each place. Balance is the share of the smaller of both over 1 %, at most 1.
     """
-    counts = levels != LEFT_OUT
-    of_sky = np.bincount(levels[mask], minlength=256)[:N_LEVELS]
-    of_ground = np.bincount(levels.ravel(), minlength=256)[:N_LEVELS] - of_sky
+    stride = math.ceil(math.sqrt(mask.size / ENOUGH_PIXELS))
+    if stride > 1:
+        values, mask, levels = (np.ascontiguousarray(one[::stride, ::stride]) for one in (values, mask, levels))
+    of_ground, of_sky = by_level = np.zeros((2, N_LEVELS), np.int64)
+    ground_sum, sky_sum = sum_classes(values.ravel(), levels.ravel(), mask.ravel(), by_level)
     n_sky, n_ground = int(of_sky.sum()), int(of_ground.sum())
     balance = min(1.0, min(n_sky, n_ground) / (n_sky + n_ground) / SURE_SHARE)
     if not balance:
         return Confidence(0.0, 0.0, 0.0, 0.0, 0.0)
     geometry = (chance_of_being_higher(of_sky, of_ground) - 0.5) / (SURE_ODDS - 0.5)
     geometry = min(max(geometry, 0.0), 1.0)
-    sky_sum = float(values.sum(where=mask, dtype=np.float64))
-    difference = sky_sum / n_sky - (float(values.sum(where=counts, dtype=np.float64)) - sky_sum) / n_ground
-    edge, _ = steps_across(values, levels, mask, max(abs(difference), 1e-12) * SURE_STEP)
+    difference = abs(sky_sum / n_sky - ground_sum / n_ground)
+    edge, _ = steps_across(values, levels, mask, max(difference, 1e-12) * SURE_STEP)
     edge = min(1.0, edge)
-    coherence = _coherence(mask, counts)
+    coherence = _coherence(mask, levels != LEFT_OUT)
     return Confidence(geometry * coherence * edge * balance, geometry, coherence, edge, balance)
 
 

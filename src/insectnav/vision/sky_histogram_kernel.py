@@ -34,6 +34,23 @@ def extremes(values, levels):
 
 
 @kernel
+def sum_classes(values, levels, mask, counts):
+    """Pixels of ground and sky by elevation level, added to ``counts`` (2, level), and the sums of their values."""
+    ground, sky = 0.0, 0.0
+    for i in range(values.shape[0]):
+        level = levels[i]
+        if level == LEFT_OUT:
+            continue
+        if mask[i]:
+            counts[1, level] += 1
+            sky += values[i]
+        else:
+            counts[0, level] += 1
+            ground += values[i]
+    return ground, sky
+
+
+@kernel
 def count(values, levels, low, scale, counts):
     """Pixels by elevation level and bin, added to ``counts`` (level, bin); values beyond the bins go into the last.
 
@@ -91,6 +108,17 @@ def persistent_valley(heights, order, parent, peak):
                 deepest, valley = peak[lower] - heights[bin_], bin_
             parent[lower] = higher
     return valley
+
+
+@kernel
+def sky_cues(bands, scale, blue_weight, yellow_weight, brightness, raw):
+    """Mean of red, green, blue, and blue with a bonus for blueness and a penalty for yellowness; white becomes 1."""
+    third = np.float32(1.0 / 3.0)
+    for i in range(bands.shape[0]):
+        red, green, blue = scale * bands[i, 0], scale * bands[i, 1], scale * bands[i, 2]
+        blueness = blue - red
+        brightness[i] = third * (red + green + blue)
+        raw[i] = blue + (blue_weight if blueness > 0.0 else yellow_weight) * blueness
 
 
 @kernel

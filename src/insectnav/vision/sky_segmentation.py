@@ -192,10 +192,9 @@ def _by_skylight(picture: Picture, channels: str, where: Geometry, params: Skyli
     if channels in ("lab-ab", "uv-green"):
         raise InputError(f"skylight takes rgb or one channel, but channels are {channels}")
     chosen = picture if channels == "rgb" else one_channel(picture, channels)
-    _histogram_or_refuse(one_channel(picture, "mean") if channels == "rgb" else chosen, where)
     result = skylight(chosen, where, params)
     if result is None:
-        raise InputError("all pixels of the image that count score the same, expected sky and ground: a covered lens?")
+        raise _one_value(float(one_channel(chosen, "mean")[where.valid][0]))
     return SkyMask(
         mask=result.mask,
         threshold=result.threshold,

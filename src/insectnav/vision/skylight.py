@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import check_range
-from insectnav.vision.sky_channels import Picture, Singles
+from insectnav.vision.sky_channels import Picture, Singles, one_channel
 from insectnav.vision.sky_geometry import Bools, Geometry
-from insectnav.vision.sky_histogram_kernel import LEFT_OUT
+from insectnav.vision.sky_histogram_kernel import LEFT_OUT, sky_cues
 from insectnav.vision.sky_thresholds import histogram, upper_of_three_classes
 
 
@@ -51,6 +51,7 @@ class SkylightParams:
 
 
 SKYLIGHT = SkylightParams()
+FLAT = 1e-6  # range of a picture, white being 1, that is rounding
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,7 +76,7 @@ class SkylightResult:
 
 
 def skylight(picture: Picture, where: Geometry, params: SkylightParams = SKYLIGHT) -> SkylightResult | None:
-    """Sky of a picture of three bands or one; None where all pixels score the same.
+    """Sky of a picture of three bands or one; None where all pixels that count are alike.
 
     Parameters
     ----------
@@ -93,9 +94,12 @@ def skylight(picture: Picture, where: Geometry, params: SkylightParams = SKYLIGH
     others that are large and as bright. Colour, smoothness and position are the cues of many detectors of sky, among
     them Shen & Wang (2013), Int. J. Adv. Robot. Syst. 10:362, doi 10.5772/56884; this combination is ours.
     """
-    scaled, levels = _reduced(picture, where, params)
+    reduced, levels = _reduced(picture, where, params)
     counts_here = levels != LEFT_OUT
-    raw, texture = _cues(scaled, counts_here, params)
+    brightness, raw = _brightness_and_blueness(reduced, counts_here, params)
+    if np.ptp(raw[counts_here]) < FLAT:
+        return None
+    texture = _texture(brightness, counts_here)
     score = np.clip(raw - np.float32(params.texture_weight) * texture, params.lowest, params.highest)
     counts = histogram(score, levels)
     if counts is None:
@@ -109,14 +113,14 @@ def skylight(picture: Picture, where: Geometry, params: SkylightParams = SKYLIGH
         mask=_enlarged(mask, where.levels.shape) & where.valid,
         threshold=threshold,
         score=score,
-        brightness=scaled if scaled.ndim == 2 else scaled.mean(axis=2),
+        brightness=brightness,
         reduced_mask=mask,
         levels=levels,
     )
 
 
-def _reduced(picture: Picture, where: Geometry, params: SkylightParams) -> tuple[Singles, NDArray[np.uint8]]:
-    """The picture with white at 1, and its levels, reduced to what the constants were chosen for."""
+def _reduced(picture: Picture, where: Geometry, params: SkylightParams) -> tuple[Picture, NDArray[np.uint8]]:
+    """The picture and its levels, reduced to what the constants were chosen for."""
     import cv2
 
     rows, columns = picture.shape[:2]
@@ -126,26 +130,31 @@ def _reduced(picture: Picture, where: Geometry, params: SkylightParams) -> tuple
         size = (round(columns / factor), round(rows / factor))
         picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
         levels = cv2.resize(levels, size, interpolation=cv2.INTER_NEAREST)
-    scaled = picture.astype(np.float32)
-    brightness = scaled if scaled.ndim == 2 else scaled.mean(axis=2)
-    inside = brightness[levels != LEFT_OUT]
-    white = float(np.percentile(inside, params.white_percentile)) or float(inside.max()) or 1.0
-    return scaled / np.float32(white), levels
+    return picture, levels
 
 
-def _cues(scaled: Singles, inside: Bools, params: SkylightParams) -> tuple[Singles, Singles]:
-    """How bright and blue pixels are, and the SD of their surroundings; pixels that do not count have no part in it."""
-    if scaled.ndim == 2:
-        brightness = raw = scaled
-    else:
-        brightness = scaled.mean(axis=2)
-        blueness = scaled[..., 2] - scaled[..., 0]
-        raw = scaled[..., 2] + np.where(blueness > 0.0, params.blue_weight, params.yellow_weight) * blueness
+def _brightness_and_blueness(picture: Picture, inside: Bools, params: SkylightParams) -> tuple[Singles, Singles]:
+    """Mean of the bands, and blue with its bonus and penalty; of one band both are the band. White is 1."""
+    brightness = one_channel(picture, "mean").astype(np.float32)
+    sample = brightness[::2, ::2][inside[::2, ::2]]
+    white = float(np.percentile(sample, params.white_percentile)) if sample.size else 0.0
+    scale = np.float32(1.0 / (white or float(brightness[inside].max()) or 1.0))
+    if picture.ndim == 2:
+        scaled = brightness * scale
+        return scaled, scaled
+    raw = np.empty(brightness.shape, np.float32)
+    weights = np.float32(params.blue_weight), np.float32(params.yellow_weight)
+    sky_cues(picture.reshape(-1, 3), scale, *weights, brightness.reshape(-1), raw.reshape(-1))
+    return brightness, raw
+
+
+def _texture(brightness: Singles, inside: Bools) -> Singles:
+    """SD of brightness over 3 × 3 pixels, of those that count."""
     weight = inside.astype(np.float32)
     n = np.maximum(_sums(weight), 1.0)
-    mean = _sums(brightness * weight) / n
-    variance = _sums(brightness * brightness * weight) / n - mean * mean
-    return raw.astype(np.float32), np.sqrt(np.maximum(variance, 0.0)).astype(np.float32)
+    weighted = brightness * weight
+    mean = _sums(weighted) / n
+    return np.sqrt(np.maximum(_sums(brightness * weighted) / n - mean * mean, 0.0))
 
 
 def _sums(values: Singles) -> Singles:
