@@ -1,6 +1,6 @@
 """How well each method finds the sky in two sets of real photographs with masks, and how its constants were chosen.
 
-    python benchmarks/sky_photographs.py              a line for each method and set: what docs/sky-segmentation.md tells
+    python benchmarks/sky_photographs.py              a line for each method and set, as in docs/sky-segmentation.md
     python benchmarks/sky_photographs.py --choose     constants of skylight chosen on half of the photographs
 
 The photographs are found through INSECTNAV_DATA. "others" are every other photograph, on which no constant was chosen:
@@ -105,7 +105,8 @@ def report(one: PhotographSet, method: str, channels: str | None) -> str:
     sure = np.array([f.confidence for f in found])
     rank = np.corrcoef(np.argsort(np.argsort(sure)), np.argsort(np.argsort(right)))[0, 1]
     return (
-        f"{one.name:12s} {method:18s}{channels or '':7s} accuracy {100 * right.mean():6.2f} ± {100 * right.std(ddof=1):5.2f} % "
+        f"{one.name:12s} {method:18s}{channels or '':7s} "
+        f"accuracy {100 * right.mean():6.2f} ± {100 * right.std(ddof=1):5.2f} % "
         f"(others {100 * right[1::2].mean():6.2f}, all {100 * everywhere:6.2f}, off the edge {100 * inside:6.2f}, "
         f"worst {100 * right.min():5.1f})  IoU {overlap.mean():.3f} (others {overlap[1::2].mean():.3f})  "
         f"confidence {sure.mean():.2f}, rank correlation {rank:+.2f}  {milliseconds:7.2f} ms"
@@ -174,8 +175,11 @@ def choose() -> None:
             for label, half in (("even", slice(0, None, 2)), ("odd", slice(1, None, 2))):
                 rows = results[best][u][half]
                 seen = u in used and (part == slice(None) or part == half)
-                print(f"    {name:12s} {label:4s} {'chosen on' if seen else 'held out ':9s} accuracy "
-                      f"{100 * rows[:, 0].mean():.2f} %, IoU {rows[:, 1].mean():.3f}, worst {100 * rows[:, 0].min():.1f} %")  # fmt: skip
+                print(
+                    f"    {name:12s} {label:4s} {'chosen on' if seen else 'held out ':9s} "
+                    f"accuracy {100 * rows[:, 0].mean():.2f} %, IoU {rows[:, 1].mean():.3f}, "
+                    f"worst {100 * rows[:, 0].min():.1f} %"
+                )
 
 
 def main() -> None:

@@ -45,8 +45,8 @@ def compare(name: str, run: Callable[[], object], plain: Callable[[], object], n
     before = seconds(plain)
     times = [seconds(run) for _ in range(n_runs)]
     reference = (before + seconds(plain)) / 2.0
-    print(f"{name:52s} {1e3 * statistics.median(times):9.2f} ms   1/{reference / statistics.median(times):6.0f} of k-means",
-          flush=True)  # fmt: skip
+    median = statistics.median(times)
+    print(f"{name:52s} {1e3 * median:9.2f} ms   1/{reference / median:6.0f} of k-means", flush=True)
 
 
 def main() -> None:
@@ -75,8 +75,10 @@ def main() -> None:
         writer.release()
         for method in ("otsu", "watershed", "skylight"):
             taken = seconds(lambda method=method: [segment(frame, method) for _, frame in video_frames(video)])
-            print(f"{f'video {HD[1]} × {HD[0]}, read and {method}':52s} {1e3 * taken / N_FRAMES:9.2f} ms a frame, "
-                  f"{N_FRAMES / FRAMES_PER_SECOND / taken:.1f} × as fast as it plays on {os.cpu_count()} cores")  # fmt: skip
+            print(
+                f"{f'video {HD[1]} × {HD[0]}, read and {method}':52s} {1e3 * taken / N_FRAMES:9.2f} ms a frame, "
+                f"{N_FRAMES / FRAMES_PER_SECOND / taken:.1f} × as fast as it plays on {os.cpu_count()} cores"
+            )
 
 
 if __name__ == "__main__":

@@ -47,8 +47,9 @@ def segment(
 ) -> None:
     """Cut the sky out of photographs."""
     from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS, find_images
+    from insectnav.experiments.picture_sources import count_pictures
     from insectnav.experiments.results import check_destination, to_json
-    from insectnav.experiments.segment_images import SegmentParams, count_pictures, run
+    from insectnav.experiments.segment_images import SegmentParams, run
 
     params = SegmentParams(
         methods=tuple(method or ()),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -21,21 +21,20 @@ from insectnav.datasets.image_folder import (
     FoundImages,
     find_images,
     find_truth,
-    read_image,
     read_mask,
 )
-from insectnav.datasets.video import video_facts, video_frames
 from insectnav.experiments.mask_pictures import write_mask, write_overlay
-from insectnav.experiments.results import PROVENANCE, provenance, results_folder, to_json, write_table
-from insectnav.experiments.segmentation_scores import SCORES, compare_methods, score, summarise
+from insectnav.experiments.picture_sources import Source, in_order, sources
+from insectnav.experiments.results import PROVENANCE, provenance, results_folder, to_json, write_table, written_to
+from insectnav.experiments.segmentation_scores import check_truth, compare_methods, score, summarise
 from insectnav.vision.sky_channels import CHANNELS, MORE_CHANNELS
-from insectnav.vision.sky_geometry import VIEWS
+from insectnav.vision.sky_geometry import VIEWS, checked_mask
 from insectnav.vision.sky_segmentation import CLUSTERS, METHODS, SkyMask, segment
 from insectnav.vision.sky_sequences import RecentMasks, smooth
 from insectnav.vision.sky_training import Counts, best_threshold, label_counts
+from insectnav.workers import count_workers
 
 Bools = NDArray[np.bool_]
-Progress = Callable[[int], None]
 
 SKY_COLOUR = ("skylight", "rgb")  # a method that is no cluster and takes three bands
 TRAINED = "trained"  # the one method that needs the truth of other pictures
@@ -97,43 +96,14 @@ class SegmentParams:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Source:
-    """One picture to come: what to call its results, the file, and what reads it."""
+class Attempt:
+    """One picture and its masks by method, or why there are none."""
 
-    name: str
-    file: Path
-    read: Callable[[], NDArray[Any]]
-    truth: Path | None = None
-
-
-@dataclass(kw_only=True)
-class Work:
-    """What grows while pictures are worked through."""
-
-    rows: list[dict[str, Any]] = field(default_factory=list)
-    skipped: list[tuple[str, str]] = field(default_factory=list)
-    recent: dict[str, RecentMasks] = field(default_factory=dict)
-
-
-def sources(found: FoundImages, truth: str | PathLike[str] | None, step: int) -> Iterator[Source]:
-    """Pictures in their order, frames of videos among them; names that occur twice are numbered."""
-    total = Counter(path.stem for path in found.files)
-    seen: Counter[str] = Counter()
-    for path in found.files:
-        seen[path.stem] += 1
-        name = path.stem if total[path.stem] == 1 else f"{path.stem}-{seen[path.stem]}"
-        if path.suffix.lower() not in VIDEOS:
-            mask = None if truth is None else find_truth(path, truth)
-            yield Source(name=name, file=path, read=lambda path=path: read_image(path), truth=mask)  # type: ignore[misc]
-            continue
-        for number, frame in video_frames(path, step):
-            yield Source(name=f"{name}_{number:06d}", file=path, read=lambda frame=frame: frame)  # type: ignore[misc]
-
-
-def count_pictures(found: FoundImages, step: int) -> int:
-    """How many pictures are to come, as far as the files say."""
-    videos = [path for path in found.files if path.suffix.lower() in VIDEOS]
-    return len(found.files) - len(videos) + sum(-(-video_facts(path).n_frames // step) for path in videos)
+    source: Source
+    picture: NDArray[Any] = field(default_factory=lambda: np.empty((0, 0)))
+    truth: tuple[Bools, Bools] | None = None
+    found: Mapping[str, SkyMask] = field(default_factory=dict)
+    refusal: str = ""
 
 
 def run(
@@ -165,17 +135,24 @@ def run(
     if truth is not None and not Path(truth).is_dir():
         raise InputError(f"--truth {quoted(truth, 200)} is no folder, expected one of masks")
     used = None if params.mask is None else read_mask(params.mask)[0]
-    work = Work(skipped=list(found.skipped))
-    with results_folder(destination) as folder:
+    rows: list[dict[str, Any]] = []
+    skipped = list(found.skipped)
+    with results_folder(destination) as folder, written_to(destination):
         thresholds = {one: _train(found, truth, params, used, params.parts(one)[1]) for one in params.trained}
-        for source in sources(found, truth, params.step):
-            trained = {one: of_pictures.get(source.name) for one, of_pictures in thresholds.items()}
-            _one_picture(source, params, used, trained, folder, work)
+        attempts = in_order(
+            lambda source: _attempt(source, params, used, truth, thresholds),
+            sources(found, params.step),
+            count_workers(None),
+        )
+        for attempt, own in in_order(lambda one: (one, _keep(one, folder)), _smoothed(attempts, params.smooth), 2):
+            rows += own
+            if attempt.refusal:
+                skipped.append((attempt.source.name, attempt.refusal))
             if progress is not None:
                 progress(1)
-        _check_any(work, truth)
-        result = _report(work, params, truth is not None, found)
-        write_table(folder / "table.csv", work.rows)
+        _check_any(rows, skipped, truth)
+        result = _report(rows, skipped, params, truth is not None, found)
+        write_table(folder / "table.csv", rows)
         write_table(folder / "methods.csv", list(result["methods"].values()))
         if result["tests"]:
             write_table(folder / "tests.csv", result["tests"])
@@ -184,33 +161,57 @@ def run(
     return result
 
 
-def _one_picture(
+def _attempt(
     source: Source,
     params: SegmentParams,
     used: Bools | None,
-    trained: Mapping[str, float | None],
-    folder: Path,
-    work: Work,
-) -> None:
-    """One picture by every method; what cannot be used is written down and left out, by all methods."""
+    truth: str | PathLike[str] | None,
+    thresholds: Mapping[str, Mapping[str, float]],
+) -> Attempt:
+    """One picture by every method; where one of them fails, none counts, so that all are measured on the same ones."""
     try:
         picture = source.read()
-        truth = None if source.truth is None else read_mask(source.truth)
+        mask = _truth(source, truth)
         methods = params.methods or (("skylight",) if picture.ndim == 3 else ("watershed",))
-        found = {method: _segment(picture, method, params, used, trained.get(method)) for method in methods}
-        scores = {method: score(one, truth) for method, one in found.items()}
+        found = {one: _segment(picture, one, params, used, thresholds.get(one, {}).get(source.name)) for one in methods}
+        for one in found.values():
+            check_truth(one, mask)
     except InputError as error:
-        work.skipped.append((source.name, str(error)))
-        return
-    for method, one in found.items():
-        if params.smooth > 1:
-            work.recent[method], mask = smooth(work.recent.get(method, RecentMasks()), one.mask, params.smooth)
-            one = SkyMask(**(vars(one) | {"mask": mask & one.valid}))
-            scores[method] = score(one, truth)
-        place = (method.replace(":", "-"),) if len(methods) > 1 else ()
-        write_mask(folder.joinpath("masks", *place, f"{source.name}.png"), one.mask, one.valid)
-        write_overlay(folder.joinpath("overlays", *place, f"{source.name}.jpg"), picture, one.mask, one.valid)
-        work.rows.append(_row(source, method, one, scores[method]))
+        return Attempt(source=source, refusal=str(error))
+    return Attempt(source=source, picture=picture, truth=mask, found=found)
+
+
+def _truth(source: Source, folder: str | PathLike[str] | None) -> tuple[Bools, Bools] | None:
+    if folder is None or source.is_frame:
+        return None
+    path = find_truth(source.file, folder)
+    return None if path is None else read_mask(path)
+
+
+def _smoothed(attempts: Iterable[Attempt], n_frames: int) -> Iterator[Attempt]:
+    """The same with each mask voted on by it and those before it."""
+    recent: dict[str, RecentMasks] = {}
+    for attempt in attempts:
+        if n_frames == 1 or attempt.refusal:
+            yield attempt
+            continue
+        found = {}
+        for method, one in attempt.found.items():
+            recent[method], mask = smooth(recent.get(method, RecentMasks()), one.mask, n_frames)
+            found[method] = replace(one, mask=mask & one.valid)
+        yield replace(attempt, found=found)
+
+
+def _keep(attempt: Attempt, folder: Path) -> list[dict[str, Any]]:
+    """Mask and overlay of one picture on disk, and its rows of the table."""
+    rows = []
+    for method, one in attempt.found.items():
+        place = (method.replace(":", "-"),) if len(attempt.found) > 1 else ()
+        name = attempt.source.name
+        write_mask(folder.joinpath("masks", *place, f"{name}.png"), one.mask, one.valid)
+        write_overlay(folder.joinpath("overlays", *place, f"{name}.jpg"), attempt.picture, one.mask, one.valid)
+        rows.append(_row(attempt.source, method, one, score(one, attempt.truth)))
+    return rows
 
 
 def _segment(
@@ -260,47 +261,55 @@ def _train(
 ) -> dict[str, float]:
     """For each picture the threshold that is best on all others, so that none is measured on what it was trained on."""
     counts: dict[str, Counts] = {}
-    for source in sources(found, truth, params.step):
-        if source.truth is None:
-            continue
+    for source in sources(found, params.step):
         try:
-            sky, known = read_mask(source.truth)
-            valid = known if used is None else known & used
-            counts[source.name] = label_counts(source.read(), sky, channels=channels, valid=valid)
-        except (InputError, ValueError):
+            mask = _truth(source, truth)
+            if mask is None:
+                continue
+            valid = mask[1] if used is None else mask[1] & checked_mask("mask", used, mask[1].shape)
+            counts[source.name] = label_counts(source.read(), mask[0], channels=channels, valid=valid)
+        except InputError:
             continue  # is named when it is segmented
-    total = sum(counts.values(), start=np.zeros_like(next(iter(counts.values()), np.zeros((2, 1), np.int64))))
+    if not counts:
+        return {}
+    total = sum(counts.values(), start=np.zeros_like(next(iter(counts.values()))))
     return {name: best_threshold(total - own) for name, own in counts.items() if (total - own).any(axis=1).all()}
 
 
-def _check_any(work: Work, truth: str | PathLike[str] | None) -> None:
+def _check_any(
+    rows: Sequence[Mapping[str, Any]], skipped: Sequence[tuple[str, str]], truth: str | PathLike[str] | None
+) -> None:
     """Refuse to end with nothing, and with a truth that belongs to no picture."""
-    if not work.rows:
-        names = "; ".join(f"{name}: {why}" for name, why in work.skipped[:MAX_NAMED])
-        raise InputError(f"no picture could be used: {names}")
-    if truth is not None and all(np.isnan(row["accuracy"]) for row in work.rows):
-        example = work.rows[0]["image"]
+    if not rows:
+        if len({why for _, why in skipped}) == 1:
+            raise InputError(f"no picture could be used, {skipped[0][0]} for one: {skipped[0][1]}")
+        raise InputError(
+            "no picture could be used: " + "; ".join(f"{name}: {why}" for name, why in skipped[:MAX_NAMED])
+        )
+    if truth is not None and all(np.isnan(row["accuracy"]) for row in rows):
+        example = rows[0]["image"]
         raise InputError(
             f"--truth {quoted(truth, 200)} holds no mask of any picture, expected {example}.png or {example}_sky.png"
         )
 
 
-def _report(work: Work, params: SegmentParams, has_truth: bool, found: FoundImages) -> dict[str, Any]:
+def _report(
+    rows: Sequence[Mapping[str, Any]],
+    skipped: Sequence[tuple[str, str]],
+    params: SegmentParams,
+    has_truth: bool,
+    found: FoundImages,
+) -> dict[str, Any]:
     """Everything a program may want to know of a result."""
     notes = ["the threshold of each picture was trained on all others with a mask"] if params.trained else []
-    if has_truth and (missing := sorted({row["image"] for row in work.rows if np.isnan(row["accuracy"])})):
+    if has_truth and (missing := sorted({row["image"] for row in rows if np.isnan(row["accuracy"])})):
         notes.append(f"{len(missing)} pictures have no mask in --truth, such as {missing[0]}")
-    if any(path.suffix.lower() in VIDEOS for path in found.files) and has_truth:
-        notes.append("frames of videos are not held against --truth")
     return {
-        "images": len({row["image"] for row in work.rows}),
+        "images": len({row["image"] for row in rows}),
         "settings": {name: value for name, value in vars(params).items() if value is not None},
-        "methods": summarise(work.rows, has_truth),
-        "tests": compare_methods(work.rows) if has_truth else [],
-        "skipped": [{"name": name, "reason": why} for name, why in work.skipped],
+        "methods": summarise(rows, has_truth),
+        "tests": compare_methods(rows) if has_truth else [],
+        "skipped": [{"name": name, "reason": why} for name, why in skipped],
         "notes": notes,
-        "results": work.rows,
+        "results": rows,
     }
-
-
-__all__ = ["ALL_METHODS", "SCORES", "SegmentParams", "count_pictures", "run", "sources"]

@@ -20,25 +20,38 @@ SCORES = ("accuracy", "iou", "skyline_error_px")
 TESTED = ("accuracy", "iou")
 
 
-def score(found: SkyMask, truth: tuple[Bools, Bools] | None) -> dict[str, float]:
-    """Accuracy, intersection over union and skyline error among the pixels that count and are known; NaN without truth.
+def check_truth(found: SkyMask, truth: tuple[Bools, Bools] | None) -> None:
+    """Refuse a truth of another size, or one that knows of no pixel that counts.
 
     Raises
     ------
     InputError
-        If the truth has another size, or knows of no pixel that counts.
+        If it is so.
     """
     if truth is None:
-        return dict.fromkeys(SCORES, float("nan"))
+        return
     sky, known = truth
     if sky.shape != found.mask.shape:
         raise InputError(
             f"the picture has {found.mask.shape[0]} × {found.mask.shape[1]} pixels and its truth {sky.shape[0]} × "
             f"{sky.shape[1]}, expected the same: resized, or the truth of another picture?"
         )
-    counts = known & found.valid
-    if not counts.any():
+    if not (known & found.valid).any():
         raise InputError("the truth is unknown wherever the picture counts, expected it to be known somewhere")
+
+
+def score(found: SkyMask, truth: tuple[Bools, Bools] | None) -> dict[str, float]:
+    """Accuracy, intersection over union and skyline error among the pixels that count and are known; NaN without truth.
+
+    Parameters
+    ----------
+    found : SkyMask
+    truth : sky, and where it is known, each (rows, columns); see `check_truth`
+    """
+    if truth is None:
+        return dict.fromkeys(SCORES, float("nan"))
+    sky, known = truth
+    counts = known & found.valid
     return {
         "accuracy": accuracy(found.mask, sky, counts),
         "iou": intersection_over_union(found.mask, sky, counts),

@@ -73,7 +73,7 @@ def _coherence(mask: Bools, counts: Bools) -> float:
     opened = cv2.morphologyEx(picture, cv2.MORPH_OPEN, square).view(np.bool_)
     closed = cv2.morphologyEx(picture, cv2.MORPH_CLOSE, square).view(np.bool_)
     n_closed = np.count_nonzero(closed & counts)
-    return np.count_nonzero(opened & counts) / n_closed if n_closed else 0.0
+    return float(np.count_nonzero(opened & counts) / n_closed) if n_closed else 0.0
 
 
 def chance_of_being_higher(one: NDArray[np.int64], other: NDArray[np.int64]) -> float:

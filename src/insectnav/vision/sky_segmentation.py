@@ -144,7 +144,7 @@ def _by_threshold(picture: Picture, method: str, channels: str, where: Geometry,
         check_finite("threshold", threshold)
         found, is_brighter = float(threshold), True
     else:
-        counts = _histogram_or_refuse(values, where)
+        counts = _histogram_or_refuse(values, where, zoom=method.startswith("watershed"))
         valley = THRESHOLDS[method](counts)
         if valley is None:
             notes = ("the histogram has no two peaks; Otsu's threshold took the place of a valley",)
@@ -219,8 +219,8 @@ def _divided(values: NDArray[Any], threshold: float, is_sky_brighter: bool, wher
     return mask.reshape(values.shape)
 
 
-def _histogram_or_refuse(values: NDArray[Any], where: Geometry) -> Histogram:
-    counts = histogram(values, where.levels)
+def _histogram_or_refuse(values: NDArray[Any], where: Geometry, zoom: bool) -> Histogram:
+    counts = histogram(values, where.levels, zoom=zoom)
     if counts is None:
         raise _one_value(float(values[where.valid][0]))
     return counts

@@ -21,6 +21,7 @@ LEFT_OUT_SHARE = 0.02  # at each end; Stone et al. (2014), section II.E
 CROWDED = 8  # a histogram whose middle 96 % fill less than one part in so many is counted again, more finely
 WATERSHED_BINS = 128  # assumed, with the next; accuracy on photographs hardly changes from 32 to 256 bins of this blur
 WATERSHED_SIGMA = 2.0  # [bin] of the Gaussian that takes away the teeth of a histogram
+TOOTH = 0.02  # of the highest peak; a valley less deep is the rest of a tooth and no valley; assumed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -48,13 +49,14 @@ class Histogram:
         return self.low + place * self.width
 
 
-def histogram(values: NDArray[Any], levels: NDArray[np.uint8]) -> Histogram | None:
+def histogram(values: NDArray[Any], levels: NDArray[np.uint8], *, zoom: bool = False) -> Histogram | None:
     """Histogram of the pixels that count; None where they all have one value.
 
     Parameters
     ----------
     values : (rows, columns) array of uint8, each value a bin of its own, or float32
     levels : (rows, columns) elevation levels, `LEFT_OUT` where a pixel does not count
+    zoom : where the middle 96 % fill but few bins, divide their range alone; what lies beyond goes into the end bins
     """
     flat, flat_levels = np.ravel(values), np.ravel(levels)
     if flat.dtype == np.uint8:
@@ -70,9 +72,10 @@ def histogram(values: NDArray[Any], levels: NDArray[np.uint8]) -> Histogram | No
         return None
     found = _count(flat, flat_levels, low, high)
     middle = np.flatnonzero(_middle(found.by_value))
-    if CROWDED * len(middle) < N_BINS:  # the sun, say, is a hundred times as bright as all the rest
+    if zoom and CROWDED * len(middle) < N_BINS:  # the sun, say, is a hundred times as bright as all the rest
         margin = 1 + len(middle)
-        low, high = max(low, found.edge(middle[0] - margin)), min(high, found.edge(middle[-1] + 1 + margin))
+        low = max(low, found.edge(float(middle[0] - margin)))
+        high = min(high, found.edge(float(middle[-1] + 1 + margin)))
         found = _count(flat, flat_levels, low, high)
     return found
 
@@ -122,7 +125,8 @@ def upper_of_three_classes(found: Histogram, n_bins: int = 128) -> float:
     weights = np.stack([omega[first], omega[second] - omega[first], 1.0 - omega[second]])
     sums = np.stack([mu[first], mu[second] - mu[first], mu[-1] - mu[second]])
     between = np.where(weights > 1e-12, sums**2 / np.maximum(weights, 1e-12), 0.0).sum(axis=0)
-    return float(edges[second[np.argmax(between)] + 1])
+    best = second[between >= between.max() * (1.0 - 1e-12)]  # across an empty gap all are as good
+    return float((edges[best.min() + 1] + edges[best.max() + 1]) / 2.0)
 
 
 def watershed_merge(found: Histogram) -> float | None:
@@ -133,7 +137,7 @@ def watershed_merge(found: Histogram) -> float | None:
     heights, edges = _smooth(found)
     order = np.argsort(-heights, kind="stable")
     valley = persistent_valley(heights, order, np.empty(len(heights), np.int64), np.empty(len(heights)))
-    if valley < 0:
+    if valley < 0 or min(heights[:valley].max(), heights[valley:].max()) - heights[valley] < TOOTH * heights.max():
         return None
     lowest = heights[valley]
     start, end = valley, valley  # a flat bottom is divided in its middle
