@@ -8,6 +8,7 @@ import typer
 from insectnav.checks import InputError
 from insectnav.cli.experiment_commands import RunInterruptedError, list_experiments, report, run
 from insectnav.cli.home_command import home
+from insectnav.cli.segment_command import segment
 
 INTERRUPTED = 130  # exit code, as of shells
 
@@ -35,6 +36,7 @@ def _commands(
 
 
 app.command()(home)
+app.command()(segment)
 app.command("list")(list_experiments)
 app.command()(run)
 app.command()(report)
