@@ -159,3 +159,18 @@ def _taken(light: Any, saturation: Any, how: FullSpectrum, seed: int, channel: s
     if how.is_encoded:
         numbers = np.rint(srgb_encoded(numbers / sensor.largest_number) * sensor.largest_number)
     return numbers.astype(np.uint16)
+
+
+def take(world: LitWorld, eye_height: float, pitch: float, how: FullSpectrum, seed: int) -> Photograph:
+    """View and photograph in one: what `photograph` makes of what `view` sees."""
+    layers, sun_share = view(world, eye_height, pitch, how), seen_share_of_sun(world, eye_height)
+    return photograph(layers, world.sky, pitch, sun_share, how, seed)
+
+
+def shown(picture: NDArray[np.uint16], n_columns: int) -> NDArray[np.uint8]:
+    """A picture for the eye, (rows, n_columns or a little less, …): reduced by a whole number, encoded for a screen."""
+    step = max(1, round(picture.shape[1] / n_columns))
+    rows, columns = (length // step for length in picture.shape[:2])
+    blocks = picture[: rows * step, : columns * step].astype(np.float64)
+    mean = blocks.reshape(rows, step, columns, step, *picture.shape[2:]).mean(axis=(1, 3))
+    return np.rint(255.0 * srgb_encoded(mean / np.iinfo(np.uint16).max)).astype(np.uint8)
