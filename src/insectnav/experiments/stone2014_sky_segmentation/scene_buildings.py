@@ -153,8 +153,17 @@ def glass_fronts(seed: int) -> Mesh:
     )
 
 
-def city_street(seed: int, width: float = 14.0, storeys: int = 4, church: bool = False) -> Mesh:
-    """A street along +y between rows of houses, cars at the kerbs, a few trees; a church at the end if wanted."""
+def city_street(
+    seed: int, width: float = 14.0, storeys: int = 4, has_church: bool = False, *, leaves: float = 3.0
+) -> Mesh:
+    """A street along +y between rows of houses, cars at the kerbs, a few trees; a church at the end if wanted.
+
+    Parameters
+    ----------
+    width : from wall to wall [m]
+    storeys : of most houses
+    leaves : density of the leaves of the trees, 0 in winter
+    """
     rng = generator(seed, "city street")
     way = np.array([[0.0, 0.0], [0.0, 60.0], [0.0, 120.0]])
     parts: list[Part] = []
@@ -165,7 +174,7 @@ def city_street(seed: int, width: float = 14.0, storeys: int = 4, church: bool =
             gap_share=0.06,
         )  # fmt: skip
         parts.append(("paving", box(2.5, 150.0, 0.12) + np.array([side * (width / 2 - 1.25), 62.0, 0.0])))
-    if church:
+    if has_church:
         nave = Building(width=13.0, depth=24.0, height=11.0, walls="limestone", roofing="slate", pitch=0.9, bay=4.0)
         parts += _standing(tower(6.5, 42.0, "limestone", "slate"), (0.0, 138.0), TOWARDS)
         parts += _standing(building(nave), (0.0, 155.0), TOWARDS)
@@ -179,7 +188,7 @@ def city_street(seed: int, width: float = 14.0, storeys: int = 4, church: bool =
     parked = spots[rng.permutation(len(spots))[:10]]
     parts += cars(generator(seed, "paints"), parked, np.where(parked[:, 0] > 0, 0.0, np.pi))
     feet = np.array([(-width / 2 + 1.6, 30.0, 0.12), (width / 2 - 1.6, 48.0, 0.12), (-width / 2 + 1.6, 78.0, 0.12)])
-    parts += leafy_trees(rng, feet, np.array([6.5, 7.0, 7.0]), leaf=0.22)
+    parts += leafy_trees(rng, feet, np.array([6.5, 7.0, 7.0]), leaf=0.22, density=leaves)
     walkers = np.array([(-width / 2 + 1.0, 14.0, 0.12), (width / 2 - 0.9, 21.0, 0.12)])
     parts += people(generator(seed, "walkers"), walkers, np.array([0.0, np.pi]))
     posts = np.array([(s * (width / 2 - 2.3), y, 0.12) for s in (-1.0, 1.0) for y in (20.0, 45.0, 70.0, 95.0)])
