@@ -56,8 +56,16 @@ def simulate(cell: Cell, seed: int) -> Arrays:
     step = max(1, round(picture.uv.shape[1] / N_SHOWN))
     ground = ~picture.sky
     return {
-        "accuracy": (("light",), 100.0 * np.array([accuracy(mask, picture.sky) for mask in masks]), {"units": "percent"}),
-        "sky_missed": (("light",), 100.0 * np.array([(~mask)[picture.sky].mean() for mask in masks]), {"units": "percent"}),
+        "accuracy": (
+            ("light",),
+            100.0 * np.array([accuracy(mask, picture.sky) for mask in masks]),
+            {"units": "percent"},
+        ),
+        "sky_missed": (
+            ("light",),
+            100.0 * np.array([(~mask)[picture.sky].mean() for mask in masks]),
+            {"units": "percent"},
+        ),
         "ground_taken": (("light",), 100.0 * np.array([mask[ground].mean() for mask in masks]), {"units": "percent"}),
         "separation": (("value",), _separations(values, picture.sky), {"units": "1, d'"}),
         "pixels": (("pixel", "value"), values.reshape(-1, 5)[draws], {"units": "red, green, blue, UV, green filter"}),
@@ -103,7 +111,7 @@ def draw(results: Results) -> Figure:
     """For each scene and light the picture, the pixels, and the labels."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(DOUBLE_COLUMN, 4.1), layout="constrained")
+    figure = Figure(figsize=(DOUBLE_COLUMN, 3.8), layout="constrained")
     for part, (cell, arrays) in zip(figure.subfigures(1, len(results.cells)), results, strict=True):
         part.suptitle(cell.scene, fontsize=7.0)
         for row, light in enumerate(LIGHTS):
@@ -148,7 +156,8 @@ def _draw_solid(axes: Any, arrays: Mapping[str, Any], light: str) -> None:
     axes.view_init(elev=22.0, azim=-55.0)
     axes.set_xlabel("red", labelpad=-14)
     axes.set_ylabel("green", labelpad=-14)
-    axes.set_zlabel("blue", labelpad=-15)
+    axes.set_zlabel("blue", labelpad=-17)
+    axes.set_box_aspect(None, zoom=0.85)
     axes.tick_params(labelleft=False, labelbottom=False, labelright=False, labeltop=False, length=0)
 
 

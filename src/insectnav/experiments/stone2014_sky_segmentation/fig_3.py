@@ -115,8 +115,9 @@ def draw(results: Results) -> Figure:
     """Examples of each weather above, entropy and correlation of visible light and UV below."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(DOUBLE_COLUMN, 5.4), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=(2.5, 2.9))
+    figure = Figure(figsize=(DOUBLE_COLUMN, 4.4), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.02, h_pad=0.02)
+    upper, lower = figure.subfigures(2, 1, height_ratios=(1.5, 2.9))
     _draw_examples(upper, results)
     panels = lower.subplots(2, 3, width_ratios=(1.5, 1.0, 1.9))
     for row, (light, name) in enumerate(KMEANS.items()):
@@ -146,19 +147,19 @@ def draw(results: Results) -> Figure:
 
 def _draw_examples(part: Any, results: Results) -> None:
     """Visible light and UV with their labels at one moment of each weather."""
-    panels = part.subplots(4, len(WEATHERS), gridspec_kw={"hspace": 0.0, "wspace": 0.0})
+    panels = part.subplots(2, 2 * len(WEATHERS))
     for axes in panels.ravel():
         axes.axis("off")
-    for column, (weather, cells) in enumerate(results.by("weather").items()):
-        k = int(cells[len(cells) // 4])
-        truth = results["sky"][k]
+    for place, (weather, cells) in enumerate(results.by("weather").items()):
+        k = int(cells[len(cells) // 2])
+        column, truth = 2 * place, results["sky"][k]
         panels[0, column].imshow(results["visible"][k])
-        panels[2, column].imshow(results["uv"][k], cmap="gray", vmin=0, vmax=255)
-        for row, name in zip((1, 3), KMEANS.values(), strict=True):
-            panels[row, column].imshow(label_picture(results["labels"][k, NAMES.index(name)], truth))
+        panels[1, column].imshow(results["uv"][k], cmap="gray", vmin=0, vmax=255)
+        for row, name in enumerate(KMEANS.values()):
+            panels[row, column + 1].imshow(label_picture(results["labels"][k, NAMES.index(name)], truth))
         cell = results.cells[k]
         title = f"{WEATHERS[weather]}, {cell.minute // 60}:{cell.minute % 60:02d}"
-        if column:
+        if place:
             panels[0, column].set_title(title, loc="left", fontsize=6.0)
         else:
             name_panel(panels[0, 0], "a", title)
@@ -196,7 +197,11 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
         "lowest correlation of UV less that of visible light": uv["lowest_correlation"] - visible["lowest_correlation"],
         "mean correlation of UV less that of visible light": uv["mean_correlation"] - visible["mean_correlation"],
     }
-    numbers = {"accuracy": "accuracy", "standard deviation of the accuracy": "accuracy_sd", "mean entropy": "mean_entropy"}
+    numbers = {
+        "accuracy": "accuracy",
+        "standard deviation of the accuracy": "accuracy_sd",
+        "mean entropy": "mean_entropy",
+    }
     verdicts = []
     for value in published.values():
         if value.quantity in claims:

@@ -275,5 +275,8 @@ def _standing(parts: list[Part], at: tuple[float, float], heading: float) -> lis
 def _scene(name: str, parts: list[Part], ground: str) -> Mesh:
     """Mesh with ground below it; what lies beyond is level and of one material."""
     places = np.concatenate([body.reshape(-1, 3)[:, :2] for _, body in parts if body.size])
-    reach = (tuple(np.append(places, [[-5.0, -5.0]], axis=0).min(axis=0) - 5.0), tuple(np.append(places, [[5.0, 5.0]], axis=0).max(axis=0) + 5.0))
+    reach = (
+        tuple(np.append(places, [[-5.0, -5.0]], axis=0).min(axis=0) - 5.0),
+        tuple(np.append(places, [[5.0, 5.0]], axis=0).max(axis=0) + 5.0),
+    )
     return mesh_from([*parts, (ground, ground_patch(*reach))], name)

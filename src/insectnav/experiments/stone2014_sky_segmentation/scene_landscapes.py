@@ -130,4 +130,3 @@ def forest_edge(seed: int) -> Mesh:
         ],
         "forest edge",
     )
-

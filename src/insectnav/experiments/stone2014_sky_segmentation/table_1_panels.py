@@ -27,6 +27,7 @@ def draw_scenes(results: Results, names: Sequence[str]) -> Figure:
     n_rows = -(-len(results.cells) // N_COLUMNS)
     height = 0.52 * n_rows
     figure = Figure(figsize=(DOUBLE_COLUMN, height + 2.2), layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.01, h_pad=0.01, wspace=0.0, hspace=0.0)
     upper, lower = figure.subfigures(2, 1, height_ratios=(height, 2.2))
     panels = upper.subplots(n_rows, 4 * N_COLUMNS, squeeze=False, gridspec_kw={"wspace": 0.0, "hspace": 0.0})
     for axes in panels.ravel():
@@ -72,10 +73,10 @@ def _draw_accuracies(axes: Axes, right: Any, names: Sequence[str]) -> None:
         spread = right[:, k].std(ddof=1)
         axes.errorbar(k, right[:, k].mean(), spread, fmt="_", color="black", markersize=12, linewidth=0.7)
     axes.axvline(len(IN_TABLE) - 0.5, color=COLOURS["grey"], linewidth=0.6, linestyle=":")
-    axes.set_xticks(range(len(names)), [_in_lines(name) for name in names])
+    axes.set_xticks(range(len(names)), [_in_lines(name) for name in names], fontsize=5.5)
     axes.set_ylabel("labelled right (%)")
     axes.set_ylim(min(45.0, right.min() - 2.0), 101.0)
 
 
 def _in_lines(name: str) -> str:
-    return name.replace(", ", "\n", 1).replace(" (", "\n(")
+    return name.replace(", ", "\n", 1).replace(" (mean of bands)", "\n(mean)").replace(" (CIELAB a, b)", "\n(a, b)")
