@@ -85,7 +85,7 @@ def _values(picture: Photograph) -> Any:
 
 
 def _separations(values: Any, sky: Any) -> Any:
-    """d' of sky and ground in each band (…, 5): difference of the means over the root of the mean variance.
+    """D' of sky and ground in each band (…, 5): difference of the means over the root of the mean variance.
 
     Notes
     -----
@@ -174,11 +174,11 @@ def caption(results: Results) -> str:
     """What is shown."""
     size = FullSpectrum(reduction=results.cells[0].reduction).camera.size
     return (
-        f"Rendered scenes ({size[1]} × {size[0]} pixels), no photographs. Left: visible light (a), ultraviolet shown blue "
-        f"with green (b), ultraviolet (c). Middle: {N_PIXELS} pixels drawn at random in their space of colours, as shares "
-        "of saturation; blue were labelled sky by k-means, red ground, crosses are wrong. Ultraviolet alone is spread "
-        "sideways at random. Right: labels; white and black are right, blue is ground taken for sky, red is sky taken for "
-        "ground, with the share labelled right."
+        f"Rendered scenes ({size[1]} × {size[0]} pixels), no photographs. Left: visible light (a), ultraviolet shown "
+        f"blue with green (b), ultraviolet (c). Middle: {N_PIXELS} pixels drawn at random in their space of colours, "
+        "as shares of saturation; blue were labelled sky by k-means, red ground, crosses are wrong. Ultraviolet alone "
+        "is spread sideways at random. Right: labels; white and black are right, blue is ground taken for sky, red is "
+        "sky taken for ground, with the share labelled right."
     )
 
 

@@ -181,8 +181,9 @@ def caption(results: Results) -> str:
         f"A street, rendered ({size[1]} × {size[0]} pixels), under the sky of Edinburgh on {DAY} in four weathers, "
         f"{min(n)} moments each, from sunrise to sunset as far as the sun stands 2° high; clouds drift, nothing else "
         "moves. No photograph is in this figure. a, One moment of each: visible light, its labels by k-means, "
-        "ultraviolet, its labels; blue is ground taken for sky, red is sky taken for ground. b, e, Entropy of the label of "
-        "each pixel over all moments. c, f, Correlation of the labels of each two moments. d, g, Share labelled right."
+        "ultraviolet, its labels; blue is ground taken for sky, red is sky taken for ground. b, e, Entropy of the "
+        "label of each pixel over all moments. c, f, Correlation of the labels of each two moments. d, g, Share "
+        "labelled right."
     )
 
 

@@ -28,6 +28,7 @@ VISIBLE = ("red", "green", "blue")
 N_RAW = 25
 WELL, READ_NOISE = Sensor(saturation_radiance=1.0).full_well, Sensor(saturation_radiance=1.0).read_noise
 DAYLIGHT = Sky(sun_azimuth=0.0, sun_elevation=float(np.deg2rad(45.0)))  # that whites are balanced for
+CLEAN_LENS = LensFlare()
 NEAR_SUN = float(np.deg2rad(1.0))  # [rad] within which the disc is drawn as the renderer draws it
 
 
@@ -52,7 +53,7 @@ class FullSpectrum:
     meter: Meter = MID_GREY
     exposure: float = 1.0
     n_raw: int = N_RAW
-    flare: LensFlare = LensFlare()
+    flare: LensFlare = CLEAN_LENS
     is_encoded: bool = False
     balances_each: bool = False
 

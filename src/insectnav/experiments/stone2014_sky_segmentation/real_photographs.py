@@ -157,8 +157,8 @@ def caption(results: Results) -> str:
         parts.append(f"{cell.photographs}, {SETS[cell.photographs].about}: {used}")
     return (
         f"Real photographs, visible light alone: nobody has published such a set in ultraviolet. {'; '.join(parts)}. "
-        "Share of the labelled pixels that each method labels right, a dot for each photograph; bars are means, whiskers "
-        "one standard deviation."
+        "Share of the labelled pixels that each method labels right, a dot for each photograph; bars are means, "
+        "whiskers one standard deviation."
     )
 
 

@@ -1,5 +1,7 @@
 """Places with buildings, for a camera that stands at the origin and looks along +y."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from insectnav.angles import Floats
@@ -247,7 +249,7 @@ def _dome(radius: float, base: float) -> Floats:
             radius * (np.sin(b) - np.sin(a)),
             base=base + 1.2 + radius * np.sin(a),
         )
-        for a, b in zip(angle[:-1], angle[1:], strict=True)
+        for a, b in pairwise(angle)
     ]
     return joined([frustum(24, radius, radius, 1.2, base=base), *rings])
 

@@ -30,7 +30,7 @@ def leafy_trees(
 
 
 def _tree(rng: np.random.Generator, foot: Floats, height: float, leaf: float, density: float) -> tuple[Floats, Floats]:
-    middle, half = foot + [0.0, 0.0, 0.62 * height], height * np.array([0.3, 0.3, 0.36])
+    middle, half = foot + np.array([0.0, 0.0, 0.62 * height]), height * np.array([0.3, 0.3, 0.36])
     lumps = middle + half * in_ball(rng, LUMPS, 0.3) * 0.72
     radii = (0.3 + 0.14 * rng.random((LUMPS, 1))) * half
     leaves = leaves_in(rng, lumps, radii, leaf, density)
@@ -55,11 +55,11 @@ def bushes(
     leaves, twigs = [], []
     for foot, height in zip(feet, np.asarray(heights, dtype=np.float64), strict=True):
         half = height * np.array([width, width, 0.5])
-        lumps = foot + [0.0, 0.0, 0.5 * height] + half * in_ball(rng, 9, 0.2) * 0.6
+        lumps = foot + np.array([0.0, 0.0, 0.5 * height]) + half * in_ball(rng, 9, 0.2) * 0.6
         leaves.append(leaves_in(rng, lumps, (0.35 + 0.15 * rng.random((9, 1))) * half, leaf, density))
         ends = lumps + half * 0.3 * in_ball(rng, 9, 0.5)
         ends[:, 2] = np.maximum(ends[:, 2], foot[2] + 0.05 * height)
-        starts = np.broadcast_to(foot + [0.0, 0.0, 0.02 * height], ends.shape)
+        starts = np.broadcast_to(foot + np.array([0.0, 0.0, 0.02 * height]), ends.shape)
         twigs.append(spikes(starts, ends, np.full(9, 0.012 * height)))
     return [("leaves", joined(leaves)), ("bark", joined(twigs))]
 

@@ -117,10 +117,11 @@ def caption(results: Results) -> str:
     cell = results.cells[0]
     size = FullSpectrum(reduction=cell.reduction).camera.size
     return (
-        f"Rendered scenes of Table I, {len(results.cells)} of them ({size[1]} × {size[0]} pixels), no photographs. One thing "
-        "at a time is changed: the diffuse reflectance of all materials by as much as soils and sand differ in the source, "
-        "the mirrored share of metal, which is assumed, the haze of the air, the optical depth of clouds, the texture, and "
-        "what the camera does. Mean (a) and standard deviation (b) of the share labelled right; dotted: as set."
+        f"Rendered scenes of Table I, {len(results.cells)} of them ({size[1]} × {size[0]} pixels), no photographs. One "
+        "thing at a time is changed: the diffuse reflectance of all materials by as much as soils and sand differ in "
+        "the source, the mirrored share of metal, which is assumed, the haze of the air, the optical depth of clouds, "
+        "the texture, and what the camera does. Mean (a) and standard deviation (b) of the share "
+        "labelled right; dotted: as set."
     )
 
 

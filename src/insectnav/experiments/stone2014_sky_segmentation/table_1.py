@@ -115,12 +115,12 @@ def caption(results: Results) -> str:
     cell = results.cells[0]
     size = FullSpectrum(reduction=cell.reduction).camera.size
     return (
-        f"{len(results.cells)} scenes, all rendered ({size[1]} × {size[0]} pixels; exact masks), which stand in for the "
-        "photographs of Table I: those with a star have the name of one. From left to right: visible light, ultraviolet, "
-        "and the labels of k-means in either; white and black are sky and ground labelled right, blue is ground taken "
-        "for sky, red is sky taken for ground; numbers are the share labelled right (%). Below: share labelled right by "
-        "each method and light, a dot for each scene; bars are means, whiskers one standard deviation. Right of the line: "
-        "ways that Table I has not. No photograph is in this figure."
+        f"{len(results.cells)} scenes, all rendered ({size[1]} × {size[0]} pixels; exact masks), which stand in for "
+        "the photographs of Table I: those with a star have the name of one. From left to right: visible light, "
+        "ultraviolet, and the labels of k-means in either; white and black are sky and ground labelled right, blue is "
+        "ground taken for sky, red is sky taken for ground; numbers are the share labelled right (%). Below: share "
+        "labelled right by each method and light, a dot for each scene; bars are means, whiskers one standard "
+        "deviation. Right of the line: ways that Table I has not. No photograph is in this figure."
     )
 
 
@@ -157,7 +157,11 @@ def _verdict(table: Table, value: Published) -> Verdict:
 
 
 def _worst(table: Table, which: str) -> str:
-    """The scenes in which a way does worst."""
-    scenes = sorted((row for row in table if row["kind"]), key=lambda row: row[which])[:3]
-    worst = ", ".join(f"{row['scene']} {row[which]:.1f} %" for row in scenes)
-    return f"other scenes than the published; {which} is worst in: {worst}"
+    """The three scenes in which a way does worst, and mean and deviation of the others."""
+    scenes = sorted((row for row in table if row["kind"]), key=lambda row: row[which])
+    worst = ", ".join(f"{row['scene']} {row[which]:.1f} %" for row in scenes[:3])
+    rest = np.array([row[which] for row in scenes[3:]])
+    if rest.size < 2:
+        return "other scenes than the published"
+    others = f"{rest.mean():.1f} ± {rest.std(ddof=1):.1f} % without these"
+    return f"other scenes than the published; {which} is worst in: {worst}; {others}"
