@@ -35,7 +35,7 @@ def test_water_shows_what_stands_behind_it_by_fresnel(fall: float):
     eye, down, up = np.array([0.0, 0.0, 1.5]), np.array([0.0, 1.0, -fall]), np.array([0.0, 1.0, fall])
     met = eye + down * eye[2] / fall
     share = mirror_fraction("water", fall / np.hypot(1.0, fall))
-    behind = seen(lit, met + [0.0, 0.0, 1e-3], up)
+    behind = seen(lit, met + np.array([0.0, 0.0, 1e-3]), up)
     assert_allclose(seen(lit, eye, down), seen(dull, eye, down) + share * behind, rtol=2e-3)
 
 
@@ -43,7 +43,11 @@ def test_reflectances_of_ones_own_change_what_is_seen_in_proportion():
     bright = {**MATERIALS, "brick": replace(MATERIALS["brick"], diffuse=(0.224, 0.234, 0.268, 0.548))}
     wall = mesh_from([("brick", WALL)], "wall")
     plain, own = (
-        seen(light_world(wall, SKY, shadows=False, materials=known), [0.0, 0.0, 1.5], [0.0, 1.0, 0.1])
+        seen(
+            light_world(wall, SKY, shadows=False, materials=known, extent=[[-9.0, -9.0], [9.0, 9.0]]),
+            [0.0, 0.0, 1.5],
+            [0.0, 1.0, 0.1],
+        )
         for known in (MATERIALS, bright)
     )
     assert_allclose(own, 2.0 * plain, rtol=1e-5)

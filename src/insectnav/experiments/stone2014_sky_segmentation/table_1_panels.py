@@ -55,7 +55,7 @@ def _draw_scene(strip: Any, arrays: dict[str, Any], name: str, numbers: tuple[fl
 
 
 def label_picture(mask: Any, truth: Any) -> Any:
-    """Labels in colour, (rows, columns, 3): black and white are right, blue is ground taken for sky, red the reverse."""
+    """Labels in colour, (rows, columns, 3): black, white are right, blue is ground taken for sky, red the reverse."""
     from matplotlib.colors import to_rgb
 
     picture = np.repeat(np.where(truth, 1.0, 0.0)[..., None], 3, axis=-1)
