@@ -111,7 +111,12 @@ def test_only_whole_panoramas_are_panoramas():
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(changes, words):
-    arguments = {"positions": [[0, 0]], "camera": panorama(10.0, (-30.0, 90.0)), "layers": ("grey",), "supersampling": 1} | changes
+    arguments = {
+        "positions": [[0, 0]],
+        "camera": panorama(10.0, (-30.0, 90.0)),
+        "layers": ("grey",),
+        "supersampling": 1,
+    } | changes
     with pytest.raises(InputError) as caught:
         render(world_of(box(9, 9, 2, 2)), **arguments)
     assert words in str(caught.value)

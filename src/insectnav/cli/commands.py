@@ -8,6 +8,7 @@ import typer
 from insectnav.checks import InputError
 from insectnav.cli.experiment_commands import RunInterruptedError, list_experiments, report, run
 from insectnav.cli.home_command import home
+from insectnav.cli.render_command import render
 
 INTERRUPTED = 130  # exit code, as of shells
 
@@ -38,6 +39,7 @@ app.command()(home)
 app.command("list")(list_experiments)
 app.command()(run)
 app.command()(report)
+app.command()(render)
 
 
 def run_command(figure: object = None) -> int:
@@ -54,8 +56,8 @@ def run_command(figure: object = None) -> int:
         code = _refuse(str(error))
     except typer.TyperException as error:
         code = _refuse(error.format_message())
-    except RunInterruptedError:
-        print("insectnav: interrupted, finished cells are kept: add --resume to go on", file=sys.stderr)
+    except RunInterruptedError as error:
+        print(f"insectnav: interrupted, finished {error.parts} are kept: add --resume to go on", file=sys.stderr)
         return INTERRUPTED
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED

@@ -103,7 +103,13 @@ class FrameStore:
 
 def unfinished(final: Path) -> Path:
     """The folder in which frames are gathered, beside the final one."""
+    final = Path(os.path.realpath(final))
     return final.with_name(f".{final.name}.unfinished")
+
+
+def finished_frames(final: Path) -> int:
+    """Number of frames that an unfinished run has left for that destination."""
+    return len(_journal(unfinished(final) / JOURNAL))
 
 
 def file_name(index: int, suffix: str) -> str:
@@ -125,7 +131,7 @@ def prepared(final: Path, about: Mapping[str, Any], *, resume: bool, replaces: b
     with locked(final.with_name(f".{final.name}.lock")):
         is_there = _check_final(final, to_json(about) + "\n", resume, replaces)
         waiting = unfinished(final)
-        if not is_there and not resume and (n := len(_journal(waiting / JOURNAL))):
+        if not is_there and not resume and (n := finished_frames(final)):
             if not replaces:
                 raise InputError(
                     f"{quoted(waiting, 200)} holds {n} frames of an unfinished run: add --resume to go on with it, or "

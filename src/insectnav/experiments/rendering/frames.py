@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from insectnav.experiments.rendering.pictures import (
+    PICTURES,
     label_picture,
     layers_of,
     light_picture,
@@ -68,7 +69,7 @@ class Frames:
             light,
             self.plan.camera,
             sun[row],
-            self.scene.sky.sun_irradiance(_bands(name)),
+            self.scene.sky.sun_irradiance(PICTURES[name]),
             LensFlare(),
             visible_share=share[row],
             sun_diameter=self.scene.sky.sun_diameter,
@@ -108,12 +109,14 @@ class Frames:
         return to_eye(np.broadcast_to(sun, position.shape), rotation_matrix(*angles)), share["sky"][:, 0]
 
 
-def whites_of(plan: Plan, workers: int | None) -> dict[str, float]:
+def whites_of(plan: Plan, first: Scene, workers: int | None) -> dict[str, float]:
     """Radiance of green light that is white, by picture of light; empty where each frame has its own, or none.
 
     Parameters
     ----------
     plan : Plan
+    first : Scene
+        At the first moment; cars and people stay where they are in it.
     workers : threads, or None
     """
     setting = plan.params.pictures.exposure
@@ -123,19 +126,12 @@ def whites_of(plan: Plan, workers: int | None) -> dict[str, float]:
         return dict.fromkeys(plan.lit, float(setting))
     chosen = np.unique(np.linspace(0, len(plan.poses) - 1, N_METERED).round().astype(int)).tolist()
     radiance: dict[str, list[Values]] = {name: [] for name in plan.lit}
-    scene: Scene | None = None
-    seen = plan.camera.pixels_seen()
+    scene, seen = first, plan.camera.pixels_seen()
     for part in plan.parts:
         if within := [index for index in chosen if part.first <= index < part.last]:
-            scene = scene_at(plan.params.place, plan.params.light, part.seconds, scene)
+            scene = scene_at(plan.params.place, plan.params.light, part.seconds, scene, keeps_traffic=True)
             frames = Frames(plan, scene, within, 1, workers)
             for name in plan.lit:
                 radiance[name] += [frames.radiance(name, row) for row in range(len(within))]
     meter = plan.params.pictures.meter
     return {name: metered(np.stack(values), name, seen, meter) for name, values in radiance.items()}
-
-
-def _bands(name: str) -> tuple[str, ...]:
-    from insectnav.experiments.rendering.pictures import PICTURES
-
-    return PICTURES[name]

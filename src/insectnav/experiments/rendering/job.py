@@ -13,7 +13,7 @@ from insectnav.experiments.rendering.frame_table import frame_rows, write_frame_
 from insectnav.experiments.rendering.frames import Frames, whites_of
 from insectnav.experiments.rendering.pictures import layers_of
 from insectnav.experiments.rendering.plan import Plan
-from insectnav.experiments.rendering.scenes import scenes
+from insectnav.experiments.rendering.scenes import scene_at
 from insectnav.experiments.results import provenance
 from insectnav.workers import count_workers
 
@@ -87,7 +87,8 @@ def _render_missing(
     rows: dict[int, dict[str, Any]] = {}
     if not missing:
         return rows
-    whites = whites_of(plan, workers)
+    scene = scene_at(plan.params.place, plan.params.light, plan.parts[0].seconds)
+    whites = whites_of(plan, scene, workers)
     size = max(1, VALUES_AT_ONCE // (plan.camera.size[0] * plan.camera.size[1] * len(layers_of(plan.names))))
     with ThreadPoolExecutor(count_workers(workers)) as writers:
 
@@ -99,7 +100,8 @@ def _render_missing(
 
             return dict(zip(frames.indices, writers.map(finish, range(len(frames.indices))), strict=True))
 
-        for moment, scene in scenes(plan.params.place, plan.params.light, missing):
+        for moment in missing:
+            scene = scene_at(plan.params.place, plan.params.light, moment.seconds, scene)
             indices = [index for index in range(moment.first, moment.last) if index not in found]
             for chosen in _pieces(indices, size):
                 finished = write(Frames(plan, scene, chosen, plan.params.camera.supersampling, workers))

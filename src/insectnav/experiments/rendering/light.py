@@ -8,7 +8,7 @@ import numpy as np
 
 from insectnav.checks import InputError, check_choice, check_count, check_range, quoted
 from insectnav.worlds.clouds import WEATHERS, weather_clouds
-from insectnav.worlds.sky import Sky, sky_at
+from insectnav.worlds.sky import EPOCH, Sky, sky_at
 from insectnav.worlds.skylight import LOWEST_SUN
 from insectnav.worlds.sun import utc
 
@@ -77,11 +77,12 @@ class LightParams:
             settings |= {"seed": self.cloud_seed, "wind": self.wind}
             return sky_at(moment, self.latitude_deg, self.longitude_deg, self.weather, **settings)
         azimuth, elevation = np.deg2rad(self.sun_deg).tolist()
+        drifted = 0.0 if self.weather == "clear" else float((moment - EPOCH) / np.timedelta64(1, "s"))
         return Sky(
             sun_azimuth=azimuth,
             sun_elevation=elevation,
             clouds=weather_clouds(self.weather, self.cloud_seed, self.wind),
-            time=float((moment - np.datetime64("2000-01-01")) / np.timedelta64(1, "s")),
+            time=drifted,
             **settings,
         )
 
@@ -102,6 +103,11 @@ def first_moment(light: LightParams) -> np.datetime64:
             "09:30Z or 09:30+01:00"
         ) from None
     if given.tzinfo is not None:
-        return np.datetime64(utc(given)[()])
-    solar = utc(given.replace(tzinfo=UTC))[()]
-    return np.datetime64(solar - np.timedelta64(round(light.longitude_deg * 240e6), "us"))  # a turn is a day
+        return _moment(given)
+    east_of_greenwich = np.timedelta64(round(light.longitude_deg * 240e6), "us")  # a turn is a day
+    return _moment(given.replace(tzinfo=UTC)) - east_of_greenwich
+
+
+def _moment(time: datetime) -> np.datetime64:
+    moment: np.datetime64 = utc(time)[()]
+    return moment

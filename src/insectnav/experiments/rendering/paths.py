@@ -159,7 +159,7 @@ def _traverse(place: Place, params: PathParams) -> Poses:
     """Along the route of the world."""
     if len(place.route) < 2:
         raise InputError(
-            f"the world {place.name} has no route to walk along, expected --positions TABLE.csv, or --at X,Y for one picture"
+            f"the world {place.name} has no route to walk along, expected --positions TABLE.csv, or --at X,Y"
         )
     way = place.route[::-1] if params.is_reversed else place.route
     distances = _distances(way_length(way), params)
@@ -182,6 +182,6 @@ def _single(place: Place, params: PathParams) -> tuple[Poses, bool]:
     at = place.route[0] if params.at is None else np.array(params.at)
     nothing = np.zeros(1)
     position = np.append(at, 0.0)[None, :3]
-    return Poses(
-        position=position, heading=nothing, pitch=nothing, roll=nothing, distance=nothing, time=nothing
-    ), len(at) == 3
+    return Poses(position=position, heading=nothing, pitch=nothing, roll=nothing, distance=nothing, time=nothing), len(
+        at
+    ) == 3

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from insectnav.checks import InputError, check_choice, check_count, check_range, quoted
 from insectnav.datasets.picture_files import check_format, quantised
-from insectnav.vision.sensor import HIGHLIGHTS, MID_GREY, RESPONSES, Meter, Sensor, auto_exposure, expose, ideal_sensor
+from insectnav.vision.sensor import HIGHLIGHTS, RESPONSES, Meter, Sensor, auto_exposure, expose, ideal_sensor
 from insectnav.worlds.materials import MATERIALS
 from insectnav.worlds.skylight import atmosphere, clear_irradiance
 
@@ -30,7 +30,7 @@ PICTURES: Mapping[str, tuple[str, ...]] = {  # name → layers of the renderer; 
 }
 LABELS = ("sky_mask", "sky_share", "material", "depth")  # the same in any light
 USUAL = {"sky": ("uv", "green", "visible", "sky_mask"), "flat": ("grey", "sky_mask")}
-METERS = {"mean": MID_GREY, "highlights": HIGHLIGHTS}
+METERS = {"mean": Meter(rule="mean", level=0.25), "highlights": HIGHLIGHTS}  # assumed: half a stop above mid-grey
 # Labels of the picture "material"; those between are places in the table of materials, counted from 1.
 SKY_LABEL, GROUND_LABEL, OTHER_LABEL, UNSEEN_LABEL = 0, 253, 254, 255
 # Light in which a white sheet is white: clear sky of turbidity 3, sun at 40°, as of `insectnav.worlds.skylight`.
@@ -51,7 +51,7 @@ class PictureParams:
     exposure : "traverse", "frame" or a number
         One automatic exposure for all frames, one for each, or the radiance of green light that is white.
     meter : "mean" or "highlights"
-        Of automatic exposures: that of the mean brings the mean of the pixels to 0.18 of white, that of the highlights
+        Of automatic exposures: that of the mean brings the mean of the pixels to 0.25 of white, that of the highlights
         99 % of the pixels below white.
     noise : bool
         Whether the sensor adds the noise of photons and electronics.
@@ -82,7 +82,9 @@ class PictureParams:
         if self.response is not None:
             check_choice("response", self.response, RESPONSES)
         if self.bits == 32 and (self.response is not None or self.noise or self.exposure != "traverse"):
-            raise InputError("32 bits hold the radiance itself, expected no --response, --exposure or --noise with them")
+            raise InputError(
+                "32 bits hold the radiance itself, expected no --response, --exposure or --noise with them"
+            )
         if isinstance(self.exposure, str):
             if self.exposure not in ("traverse", "frame"):
                 raise InputError(f"exposure is {quoted(self.exposure)}, expected traverse, frame or a number")
@@ -170,9 +172,8 @@ def light_picture(radiance: Values, name: str, white: float | None, index: int, 
     index : number of the frame
     params : PictureParams
     """
-    if white is None:
-        values = np.asarray(radiance, np.float32)
-    else:
+    values: Values = np.asarray(radiance, np.float32)
+    if white is not None:
         values = expose(
             radiance,
             params.sensor,
@@ -207,7 +208,7 @@ def label_picture(layers: Layers, name: str, seen: npt.NDArray[np.bool_], labels
     return np.asarray(values, np.float32) if bits == 32 else quantised(values, bits)
 
 
-def triangle_labels(materials: Sequence[str], of_triangle: Values) -> npt.NDArray[np.uint8]:
+def triangle_labels(materials: Sequence[str], of_triangle: Any) -> npt.NDArray[np.uint8]:
     """Label of the material of each triangle, and at the indices −2 and −1 those of ground and sky, (n + 2,).
 
     Parameters

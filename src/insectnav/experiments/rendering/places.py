@@ -83,7 +83,7 @@ class PlaceParams:
     @property
     def is_built(self) -> bool:
         """Whether the world is made by a builder."""
-        return not PurePath(self.world).suffix
+        return is_built(self.world)
 
     @property
     def moves(self) -> bool:
@@ -135,6 +135,11 @@ class Place:
         mesh = self.mesh
         known = isinstance(self.surfaces, BuiltWorld)
         return flat_world(mesh, plants=reflectance(mesh.materials, "grey")[mesh.material] if known else None)
+
+
+def is_built(world: str) -> bool:
+    """Whether a world is the name of a builder rather than that of a file."""
+    return not PurePath(world).suffix
 
 
 def open_place(params: PlaceParams, seconds: float = 0.0) -> Place:

@@ -44,7 +44,7 @@ class RenderParams:
     path: PathParams = field(default_factory=PathParams)
     camera: CameraParams = field(default_factory=CameraParams)
     pictures: PictureParams = field(default_factory=PictureParams)
-    refresh_s: float = 10.0  # [s] assumed: clouds drift 90 m, people walk 10 m
+    refresh_s: float = 30.0  # [s] assumed: clouds drift a quarter of a kilometre, and the sun an eighth of a degree
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

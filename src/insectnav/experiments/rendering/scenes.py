@@ -1,6 +1,5 @@
 """A place under a sky at one moment, and the moments of a traverse."""
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -10,8 +9,8 @@ from insectnav.angles import Floats
 from insectnav.checks import check_range
 from insectnav.experiments.rendering.light import LightParams
 from insectnav.experiments.rendering.places import Place, PlaceParams, open_place
+from insectnav.worlds.lit_world import light_world
 from insectnav.worlds.sky import Sky
-from insectnav.worlds.world import World
 
 
 class Moment(NamedTuple):
@@ -33,11 +32,14 @@ class Scene:
         What the renderer takes.
     sky : Sky or None
         None in flat light.
+    seconds : float
+        When that is [s].
     """
 
     place: Place
-    world: Any
+    world: Any  # World or LitWorld
     sky: Sky | None
+    seconds: float
 
 
 def moments(time: Floats, refresh_s: float) -> list[Moment]:
@@ -57,7 +59,14 @@ def moments(time: Floats, refresh_s: float) -> list[Moment]:
     ]
 
 
-def scene_at(params: PlaceParams, light: LightParams, seconds: float, earlier: Scene | None = None) -> Scene:
+def scene_at(
+    params: PlaceParams,
+    light: LightParams,
+    seconds: float,
+    earlier: Scene | None = None,
+    *,
+    keeps_traffic: bool = False,
+) -> Scene:
     """The scene so many seconds after the first moment.
 
     Parameters
@@ -67,34 +76,20 @@ def scene_at(params: PlaceParams, light: LightParams, seconds: float, earlier: S
     seconds : [s]
     earlier : Scene or None
         The same place at another moment, of which is kept what has not changed.
+    keeps_traffic : bool
+        Leave cars and people where they were earlier, which saves making the world anew.
 
     Raises
     ------
     InputError
         If the sun is too low, or the place cannot be made.
     """
-    is_new = earlier is None or params.moves
-    place = open_place(params, seconds) if is_new or earlier is None else earlier.place
-    if place.light == "flat":
-        world: World = place.flat() if is_new or earlier is None else earlier.world
-        return Scene(place=place, world=world, sky=None)
-    from insectnav.worlds.lit_world import light_world
-
-    sky = light.sky(seconds)
-    lit = light_world(place.surfaces, sky) if is_new or earlier is None else earlier.world.under(sky)
-    return Scene(place=place, world=lit, sky=sky)
-
-
-def scenes(params: PlaceParams, light: LightParams, parts: Sequence[Moment]) -> Iterator[tuple[Moment, Scene]]:
-    """Each moment with its scene, one at a time.
-
-    Parameters
-    ----------
-    params : PlaceParams
-    light : LightParams
-    parts : of `moments`
-    """
-    scene: Scene | None = None
-    for moment in parts:
-        scene = scene_at(params, light, moment.seconds, scene)
-        yield moment, scene
+    if earlier is None or (params.moves and seconds != earlier.seconds and not keeps_traffic):
+        place = open_place(params, seconds)
+        if place.light == "flat":
+            return Scene(place=place, world=place.flat(), sky=None, seconds=seconds)
+        sky = light.sky(seconds)
+        return Scene(place=place, world=light_world(place.surfaces, sky), sky=sky, seconds=seconds)
+    if earlier.sky is None or (sky := light.sky(seconds)) == earlier.sky:
+        return earlier
+    return Scene(place=earlier.place, world=earlier.world.under(sky), sky=sky, seconds=seconds)
