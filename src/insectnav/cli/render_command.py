@@ -29,8 +29,10 @@ _LIGHT = {"date": "date", "time": "time", "latitude_deg": "latitude", "longitude
           "weather": "weather", "turbidity": "turbidity", "cloud_seed": "cloud_seed"}  # fmt: skip
 _CAMERA = {"kind": "camera", "resolution_deg": "resolution", "field_of_view_deg": "field_of_view", "lens": "lens",
            "look": "look", "supersampling": "supersampling"}  # fmt: skip
-_PICTURES = {"format": "format", "bits": "bits", "response": "response", "meter": "meter", "noise": "noise",
-             "noise_seed": "noise_seed", "flare": "flare"}  # fmt: skip
+_PICTURES = {
+    "format": "format", "bits": "bits", "response": "response", "meter": "meter", "balance": "white_balance",
+    "noise": "noise", "noise_seed": "noise_seed", "flare": "flare",
+}  # fmt: skip
 
 
 def render(
@@ -88,6 +90,7 @@ def render(
     response: option.Response = None,
     exposure: option.Exposure = None,
     meter: option.Meter = None,
+    white_balance: option.WhiteBalance = None,
     noise: option.Noise = False,
     noise_seed: option.NoiseSeed = None,
     flare: option.Flare = False,

@@ -158,6 +158,11 @@ Meter = Annotated[
     _option("--meter", about="Automatic exposures bring the mean to 0.25 of white, or highlights to white",
             usual="mean"),
 ]  # fmt: skip
+WhiteBalance = Annotated[
+    str | None,
+    _option("--white-balance", about="A white sheet is white in the light of the first frame (scene) or in daylight",
+            usual="scene"),
+]  # fmt: skip
 Noise = Annotated[bool, typer.Option("--noise", help="Add the noise of photons and of the sensor.")]
 NoiseSeed = Annotated[int | None, _option("--noise-seed", about="Of the noise", usual="0")]
 Flare = Annotated[bool, typer.Option("--flare", help="Add the light that a lens spreads: veil, halo and ghosts.")]

@@ -32,7 +32,7 @@ def check_format(name: str, bits: int) -> None:
     if bits not in FORMATS[name]:
         held = " or ".join(map(str, FORMATS[name]))
         slip = ": --format tiff?" if bits in FORMATS["tiff"] else ""
-        raise InputError(f"bits is {quoted(bits)}, expected {held} in {name.upper()}{slip}")
+        raise InputError(f"bits is {bits}, expected {held} in {name.upper()}{slip}")
 
 
 def quantised(values: npt.ArrayLike, bits: int = 8) -> Pictures:
@@ -49,7 +49,7 @@ def quantised(values: npt.ArrayLike, bits: int = 8) -> Pictures:
         If the number of bits is another, or a value is no number.
     """
     if bits not in (8, 16):
-        raise InputError(f"bits is {quoted(bits)}, expected 8 or 16")
+        raise InputError(f"bits is {bits}, expected 8 or 16")
     shares = np.clip(as_numbers("values", values), 0.0, 1.0)
     check_range("values", shares, 0.0, 1.0)  # NaN
     return np.rint(shares * (2**bits - 1)).astype(np.uint8 if bits == 8 else np.uint16)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from insectnav.datasets.picture_files import read_picture
-from insectnav.experiments.figures import DOUBLE_COLUMN, SINGLE_COLUMN, journal_style
+from insectnav.experiments.figures import DOUBLE_COLUMN, journal_style
+from insectnav.experiments.rendering.pictures import SKY_LABEL, UNSEEN_LABEL
 from insectnav.experiments.rendering.plan import Plan
 from insectnav.vision.cameras import EQUIRECTANGULAR
 from insectnav.vision.sensor import srgb_encoded
@@ -32,11 +33,12 @@ TITLES = {
 }
 MARGIN_LEFT, MARGIN_RIGHT, MARGIN_TOP, MARGIN_BOTTOM = 0.42, 0.06, 0.36, 0.34  # [inch]
 GAP_X, GAP_Y = 0.1, 0.07  # [inch]
-MAX_HEIGHT = 9.0  # [inch]
+MAX_HEIGHT, LEAST_WIDTH = 9.0, 4.2  # [inch]
+WIDE = 0.6  # rows over columns, below which a picture fills the width of a page
 
 
 def draw_sheet(file: Path, plan: Plan, path: Callable[[str, int], Path], rows: Sequence[Mapping[str, Any]]) -> None:
-    """Draw the first, the middle and the last frame, one in each column, all their pictures below each other.
+    """Draw the first, the middle and the last frame in columns; of a single frame of an upright camera, all in a grid.
 
     Parameters
     ----------
@@ -47,21 +49,30 @@ def draw_sheet(file: Path, plan: Plan, path: Callable[[str, int], Path], rows: S
     rows : of the table of frames
     """
     chosen = sorted({0, (len(rows) - 1) // 2, len(rows) - 1})
+    is_grid = len(chosen) == 1 and plan.camera.size[0] / plan.camera.size[1] > WIDE
+    n_columns = min(2, len(plan.names)) if is_grid else len(chosen)
+    n_rows = -(-len(plan.names) // n_columns) if is_grid else len(plan.names)
     with journal_style():
-        figure, cells = _grid(plan, len(chosen))
+        figure, cells = _grid(plan, n_columns, n_rows)
         for column, index in enumerate(chosen):
-            for name, axes in zip(plan.names, cells[column], strict=True):
-                shown = displayed(read_picture(path(name, index)), name, plan)
-                is_grey = shown.ndim == 2
-                axes.imshow(
-                    shown, cmap="gray" if is_grey else None, vmin=0, vmax=1, extent=_extent(plan), aspect="auto",
-                    interpolation="antialiased",
-                )  # fmt: skip
-                _label(axes, plan, name, is_left=column == 0, is_lowest=name == plan.names[-1])
-            cells[column][0].set_title(_heading_of(rows[index], len(rows)), fontsize=6.5, loc="left", pad=3.0)
-        figure.text(MARGIN_LEFT / figure.get_figwidth(), 1.0 - 0.12 / figure.get_figheight(), _title(plan),
-                    fontsize=7.5, va="center")  # fmt: skip
+            for row, name in enumerate(plan.names):
+                axes = cells[row // n_columns][row % n_columns] if is_grid else cells[row][column]
+                _draw(axes, displayed(read_picture(path(name, index)), name, plan), _extent(plan))
+                _label(axes, plan, name, is_left=column == 0, is_lowest=row == n_rows - 1)
+            cells[0][column].set_title(_heading_of(rows[index], len(rows)), fontsize=6.0, loc="left", pad=3.0)
+        left = MARGIN_LEFT if _extent(plan) else MARGIN_RIGHT
+        figure.text(left / figure.get_figwidth(), 1.0 - 0.12 / figure.get_figheight(), _title(plan),
+                    fontsize=7.0, va="center")  # fmt: skip
         figure.savefig(file, dpi=200, metadata={"Software": None})
+
+
+def _draw(axes: Axes, shown: Any, extent: tuple[float, float, float, float] | None) -> None:
+    is_grey = shown.ndim == 2
+    axes.set_visible(True)
+    axes.imshow(
+        shown, cmap="gray" if is_grey else None, vmin=0, vmax=1, extent=extent, aspect="auto",
+        interpolation="antialiased",
+    )  # fmt: skip
 
 
 def displayed(picture: Any, name: str, plan: Plan) -> Any:
@@ -78,7 +89,7 @@ def displayed(picture: Any, name: str, plan: Plan) -> Any:
             near = np.where(picture > 0, 1.0 / picture, 0.0)
         return np.sqrt(near / max(float(near.max()), 1e-9))
     if name == "material":
-        return (picture.astype(np.float64) * 0.381966) % 1.0  # neighbours in the table differ in brightness
+        return _label_colours()[picture]
     if picture.dtype.kind == "f":
         values = picture / max(float(np.quantile(picture, 0.98)), 1e-9) if name in plan.lit else picture
         return srgb_encoded(np.clip(values, 0.0, 1.0)) if name in plan.lit else np.clip(values, 0.0, 1.0)
@@ -87,36 +98,36 @@ def displayed(picture: Any, name: str, plan: Plan) -> Any:
     return srgb_encoded(values) if is_linear else values
 
 
-def _grid(plan: Plan, n_columns: int) -> tuple[Figure, list[list[Axes]]]:
-    """Figure with axes of the shape of the pictures, by column and picture."""
+def _label_colours() -> Any:
+    """A colour for each label, (256, 3): black for the sky and for what is not seen."""
+    from matplotlib import colormaps
+
+    colours = colormaps["tab20"](np.arange(256) % 20)[:, :3]
+    colours[[SKY_LABEL, UNSEEN_LABEL]] = 0.0
+    return colours
+
+
+def _grid(plan: Plan, n_columns: int, n_rows: int) -> tuple[Figure, list[list[Axes]]]:
+    """Figure with axes of the shape of the pictures, by row and column; invisible until they are drawn on."""
     from matplotlib.figure import Figure
 
-    rows, columns = plan.camera.size
-    shape = rows / columns
-    width = DOUBLE_COLUMN if n_columns > 1 or shape < 0.6 else SINGLE_COLUMN
-    across = (width - MARGIN_LEFT - MARGIN_RIGHT - GAP_X * (n_columns - 1)) / n_columns
-    n = len(plan.names)
-    high = min(across * shape, (MAX_HEIGHT - MARGIN_TOP - MARGIN_BOTTOM - GAP_Y * (n - 1)) / n)
+    shape = plan.camera.size[0] / plan.camera.size[1]
+    left = MARGIN_LEFT if _extent(plan) else MARGIN_RIGHT
+    bottom = MARGIN_BOTTOM if _extent(plan) else MARGIN_RIGHT
+    across = (DOUBLE_COLUMN - left - MARGIN_RIGHT - GAP_X * (n_columns - 1)) / n_columns
+    high = min(across * shape, (MAX_HEIGHT - MARGIN_TOP - bottom - GAP_Y * (n_rows - 1)) / n_rows)
     across = high / shape
-    width = MARGIN_LEFT + MARGIN_RIGHT + across * n_columns + GAP_X * (n_columns - 1)
-    height = MARGIN_TOP + MARGIN_BOTTOM + high * n + GAP_Y * (n - 1)
-    figure = Figure(figsize=(max(width, SINGLE_COLUMN), height))
-    width = figure.get_figwidth()
-    cells = [
-        [
-            figure.add_axes(
-                (
-                    (MARGIN_LEFT + column * (across + GAP_X)) / width,
-                    (height - MARGIN_TOP - (row + 1) * high - row * GAP_Y) / height,
-                    across / width,
-                    high / height,
-                )
-            )
-            for row in range(n)
-        ]
-        for column in range(n_columns)
-    ]
-    return figure, cells
+    width = max(left + MARGIN_RIGHT + across * n_columns + GAP_X * (n_columns - 1), LEAST_WIDTH)
+    height = MARGIN_TOP + bottom + high * n_rows + GAP_Y * (n_rows - 1)
+    figure = Figure(figsize=(width, height))
+
+    def add(row: int, column: int) -> Axes:
+        low = height - MARGIN_TOP - (row + 1) * high - row * GAP_Y
+        return figure.add_axes(
+            ((left + column * (across + GAP_X)) / width, low / height, across / width, high / height), visible=False
+        )
+
+    return figure, [[add(row, column) for column in range(n_columns)] for row in range(n_rows)]
 
 
 def _extent(plan: Plan) -> tuple[float, float, float, float] | None:
@@ -133,7 +144,7 @@ def _extent(plan: Plan) -> tuple[float, float, float, float] | None:
 def _label(axes: Axes, plan: Plan, name: str, *, is_left: bool, is_lowest: bool) -> None:
     """Ticks in degrees on panoramas, none on other pictures; the name of the picture in its corner."""
     for spine in axes.spines.values():
-        spine.set_visible(False)
+        spine.set(visible=True, color="0.6", linewidth=0.4)  # white skies would run into the page
     extent = _extent(plan)
     if extent is None:
         axes.set(xticks=[], yticks=[])
@@ -152,9 +163,10 @@ def _label(axes: Axes, plan: Plan, name: str, *, is_left: bool, is_lowest: bool)
 
 def _heading_of(row: Mapping[str, Any], n_frames: int) -> str:
     """What stands above a column."""
-    place = f"x {row['x_m']:.4g} m, y {row['y_m']:.4g} m, heading {row['heading_deg']:.0f}°"
+    heading, pitch, roll = (round(row[f"{name}_deg"]) for name in ("heading", "pitch", "roll"))
+    place = f"({row['x_m']:.1f}, {row['y_m']:.1f}) m, {heading}°"
     if row["pitch_deg"] or row["roll_deg"]:
-        place += f", pitch {row['pitch_deg']:.0f}°, roll {row['roll_deg']:.0f}°"
+        place += f", pitch {pitch}°, roll {roll}°"
     return place if n_frames == 1 else f"{row['frame']}: {place}"
 
 

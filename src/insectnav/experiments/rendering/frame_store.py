@@ -4,7 +4,7 @@ import json
 import os
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -126,9 +126,10 @@ def prepared(final: Path, about: Mapping[str, Any], *, resume: bool, replaces: b
     InputError
         If it holds anything that would be lost, is being written by another process, or cannot be written.
     """
-    with written_to(final):
-        final.parent.mkdir(parents=True, exist_ok=True)
-    with locked(final.with_name(f".{final.name}.lock")):
+    with ExitStack() as held:
+        with written_to(final):
+            final.parent.mkdir(parents=True, exist_ok=True)
+            held.enter_context(locked(final.with_name(f".{final.name}.lock")))
         is_there = _check_final(final, to_json(about) + "\n", resume, replaces)
         waiting = unfinished(final)
         if not is_there and not resume and (n := finished_frames(final)):
@@ -164,6 +165,11 @@ def check_same(folder: Path, about: str) -> None:
         raise InputError(f"{quoted(folder / ABOUT, 200)} cannot be read, expected a new name for --out") from None
     names = [name for name in now if before.get(name) != now[name]] + [name for name in before if name not in now]
     name = names[0] if names else "the order of parameters"
+    if name in ("code", "insectnav"):
+        raise InputError(
+            f"{quoted(folder, 200)} was rendered by another version of insectnav, whose pictures may differ: "
+            "the same version as before, or another --out?"
+        )
     raise InputError(
         f"{quoted(folder, 200)} was rendered with {name} {quoted(before.get(name))}, now {quoted(now.get(name))}: "
         "the same options as before, or another --out?"

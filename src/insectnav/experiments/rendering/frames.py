@@ -14,6 +14,7 @@ from insectnav.experiments.rendering.pictures import (
     metered,
     radiance_of,
     triangle_labels,
+    white_sheet,
 )
 from insectnav.experiments.rendering.plan import Plan, numbered_as
 from insectnav.experiments.rendering.scenes import Scene, scene_at
@@ -56,6 +57,7 @@ class Frames:
                 workers=workers,
             )
         self._spread = self._sun_for_the_lens() if plan.params.pictures.flare and plan.lit else None
+        self._sheets = sheets_of(plan)
         mesh = scene.place.mesh
         self._labels = triangle_labels(mesh.materials, mesh.material) if "material" in plan.names else np.zeros(0)
 
@@ -93,11 +95,13 @@ class Frames:
             if name not in plan.lit:
                 found[name] = label_picture(layers, name, self.seen, self._labels, settings.bits)
                 continue
-            light, white = self.radiance(name, row), None
-            if settings.bits != 32:
-                white = whites.get(name) or metered(light[None], name, self.seen, settings.meter)
-                known[f"white_{name}"] = white
-            found[name] = light_picture(light, name, white, index, settings)
+            light = self.radiance(name, row)
+            if settings.bits == 32:
+                found[name] = light_picture(light, name, None, index, settings)
+                continue
+            white = whites.get(name) or metered(light[None], self._sheets[name], self.seen, settings.meter)
+            known[f"white_{name}"] = white
+            found[name] = light_picture(light, name, white * self._sheets[name], index, settings)
         return found, known
 
     def _sun_for_the_lens(self) -> tuple[Values, Values]:
@@ -133,5 +137,13 @@ def whites_of(plan: Plan, first: Scene, workers: int | None) -> dict[str, float]
             frames = Frames(plan, scene, within, 1, workers)
             for name in plan.lit:
                 radiance[name] += [frames.radiance(name, row) for row in range(len(within))]
-    meter = plan.params.pictures.meter
-    return {name: metered(np.stack(values), name, seen, meter) for name, values in radiance.items()}
+    meter, sheets = plan.params.pictures.meter, sheets_of(plan)
+    return {name: metered(np.stack(values), sheets[name], seen, meter) for name, values in radiance.items()}
+
+
+def sheets_of(plan: Plan) -> dict[str, Values]:
+    """White sheets that the colours of each picture of light are relative to, as of `white_sheet`."""
+    if not plan.lit:
+        return {}
+    sky = plan.params.light.sky(plan.parts[0].seconds)
+    return {name: white_sheet(name, sky, plan.params.pictures.balance) for name in plan.lit}

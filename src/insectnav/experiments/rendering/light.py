@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -109,5 +109,4 @@ def first_moment(light: LightParams) -> np.datetime64:
 
 
 def _moment(time: datetime) -> np.datetime64:
-    moment: np.datetime64 = utc(time)[()]
-    return moment
+    return cast(np.datetime64, utc(time)[()])

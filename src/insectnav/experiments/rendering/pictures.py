@@ -11,7 +11,7 @@ from insectnav.checks import InputError, check_choice, check_count, check_range,
 from insectnav.datasets.picture_files import check_format, quantised
 from insectnav.vision.sensor import HIGHLIGHTS, RESPONSES, Meter, Sensor, auto_exposure, expose, ideal_sensor
 from insectnav.worlds.materials import MATERIALS
-from insectnav.worlds.skylight import atmosphere, clear_irradiance
+from insectnav.worlds.sky import Sky
 
 Values = npt.NDArray[Any]
 Layers = Mapping[str, Values]
@@ -33,8 +33,8 @@ USUAL = {"sky": ("uv", "green", "visible", "sky_mask"), "flat": ("grey", "sky_ma
 METERS = {"mean": Meter(rule="mean", level=0.25), "highlights": HIGHLIGHTS}  # assumed: half a stop above mid-grey
 # Labels of the picture "material"; those between are places in the table of materials, counted from 1.
 SKY_LABEL, GROUND_LABEL, OTHER_LABEL, UNSEEN_LABEL = 0, 253, 254, 255
-# Light in which a white sheet is white: clear sky of turbidity 3, sun at 40°, as of `insectnav.worlds.skylight`.
-_DAYLIGHT = (float(np.deg2rad(40.0)), 3.0)
+BALANCES = ("scene", "daylight")
+_DAYLIGHT = Sky(sun_azimuth=0.0, sun_elevation=float(np.deg2rad(40.0)))  # clear, turbidity 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +53,9 @@ class PictureParams:
     meter : "mean" or "highlights"
         Of automatic exposures: that of the mean brings the mean of the pixels to 0.25 of white, that of the highlights
         99 % of the pixels below white.
+    balance : "scene" or "daylight"
+        What colours are relative to: a white sheet on level ground at the first moment, or one under a clear sky with
+        the sun at 40°.
     noise : bool
         Whether the sensor adds the noise of photons and electronics.
     noise_seed : int
@@ -71,6 +74,7 @@ class PictureParams:
     response: str | None = None
     exposure: str | float = "traverse"
     meter: str = "mean"
+    balance: str = "scene"
     noise: bool = False
     noise_seed: int = 0
     flare: bool = False
@@ -91,6 +95,7 @@ class PictureParams:
         else:
             check_range("exposure", self.exposure, 1e-9, 1e9, "W/(m² nm sr)")
         check_choice("meter", self.meter, tuple(METERS))
+        check_choice("white balance", self.balance, BALANCES)
         check_count("noise seed", self.noise_seed, minimum=0)
 
     @property
@@ -132,10 +137,17 @@ def layers_of(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys([layer for name in names for layer in PICTURES[name]] + ["sky"]))
 
 
-def white_balance(name: str) -> Values:
-    """Radiance (band,) of a white sheet in daylight over that in green, in the bands of a picture."""
-    bands = PICTURES[name]
-    light = clear_irradiance(_DAYLIGHT[0], atmosphere(_DAYLIGHT[1]), (*bands, "green")).horizontal
+def white_sheet(name: str, sky: Sky, balance: str) -> Values:
+    """Radiance (band,) of a white sheet over that in green, in the bands of a picture.
+
+    Parameters
+    ----------
+    name : of the picture
+    sky : Sky
+        At the first moment.
+    balance : name in `BALANCES`
+    """
+    light = (sky if balance == "scene" else _DAYLIGHT).irradiance((*PICTURES[name], "green")).astype(np.float64)
     return np.asarray(light[:-1] / light[-1])
 
 
@@ -144,7 +156,7 @@ def radiance_of(layers: Layers, name: str) -> Values:
     return np.stack([layers[band] for band in PICTURES[name]], axis=-1)
 
 
-def metered(radiance: Values, name: str, seen: npt.NDArray[np.bool_], meter: str) -> float:
+def metered(radiance: Values, sheet: Values, seen: npt.NDArray[np.bool_], meter: str) -> float:
     """Radiance of green light that is white, as the camera's meter chooses it for frames (n, row, column, band).
 
     A picture of several bands is metered by their mean, each over that of a white sheet.
@@ -152,23 +164,23 @@ def metered(radiance: Values, name: str, seen: npt.NDArray[np.bool_], meter: str
     Parameters
     ----------
     radiance : of `radiance_of`
-    name : of the picture
+    sheet : of `white_sheet`
     seen : (row, column) array of bool
     meter : name in `METERS`
     """
-    brightness = (radiance / white_balance(name).astype(np.float32)).mean(axis=-1)
+    brightness = (radiance / sheet.astype(np.float32)).mean(axis=-1)
     chosen: Meter = METERS[meter]
     return float(f"{float(auto_exposure(brightness, chosen, per_image=False, mask=seen)):.6g}")
 
 
-def light_picture(radiance: Values, name: str, white: float | None, index: int, params: PictureParams) -> Values:
+def light_picture(radiance: Values, name: str, white: Values | None, index: int, params: PictureParams) -> Values:
     """A picture of light as it is written, (row, column) or (row, column, 3).
 
     Parameters
     ----------
     radiance : (row, column, band) array
     name : of the picture
-    white : radiance of green light that is white; None for the radiance itself
+    white : (band,) array, radiance that is white; None for the radiance itself
     index : number of the frame
     params : PictureParams
     """
@@ -179,7 +191,7 @@ def light_picture(radiance: Values, name: str, white: float | None, index: int, 
             params.sensor,
             seed=params.noise_seed,
             channel=name,
-            saturation_radiance=white * white_balance(name),
+            saturation_radiance=white,
             has_bands=True,
             first_image=index,
             workers=1,
