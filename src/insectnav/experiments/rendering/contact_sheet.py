@@ -164,7 +164,8 @@ def _label(axes: Axes, plan: Plan, name: str, *, is_left: bool, is_lowest: bool)
 def _heading_of(row: Mapping[str, Any], n_frames: int) -> str:
     """What stands above a column."""
     heading, pitch, roll = (round(row[f"{name}_deg"]) for name in ("heading", "pitch", "roll"))
-    place = f"({row['x_m']:.1f}, {row['y_m']:.1f}) m, {heading}°"
+    x, y = (round(row[f"{axis}_m"], 1) + 0.0 for axis in "xy")
+    place = f"({x:.1f}, {y:.1f}) m, {heading}°"
     if row["pitch_deg"] or row["roll_deg"]:
         place += f", pitch {pitch}°, roll {roll}°"
     return place if n_frames == 1 else f"{row['frame']}: {place}"

@@ -54,7 +54,7 @@ def write_frame_table(folder: Path, rows: Sequence[Mapping[str, Any]]) -> None:
 
 def _conditions(light: LightParams, place: Place, seconds: float) -> dict[str, Any]:
     """Season and light of a moment; empty in flat light."""
-    names = ("utc", "weather", "sun_azimuth_deg", "sun_elevation_deg")
+    names = ("light_utc", "weather", "sun_azimuth_deg", "sun_elevation_deg")
     if place.light == "flat":
         return {"foliage": place.foliage, **dict.fromkeys(names)}
     sky = light.sky(seconds)
