@@ -51,7 +51,9 @@ def test_layers_are_means_over_the_samples_of_a_pixel():
     for layer in ("grey", "sky", "alpha", "nearness"):
         blocks = fine[layer][0].reshape(coarse[layer].shape[1], 4, coarse[layer].shape[2], 4)
         assert_allclose(coarse[layer][0], blocks.mean(axis=(1, 3)), atol=1e-6)
-    assert_allclose(coarse["depth"], 1 / np.where(coarse["nearness"] > 0, coarse["nearness"], np.nan), rtol=1e-6)
+    is_far = coarse["nearness"] == 0
+    assert np.isinf(coarse["depth"][is_far]).all()
+    assert_allclose(coarse["depth"][~is_far], 1 / coarse["nearness"][~is_far], rtol=1e-6)
 
 
 def test_a_fisheye_sees_what_lies_in_its_directions():
@@ -102,7 +104,7 @@ def test_only_whole_panoramas_are_panoramas():
     [
         ({"camera": None}, "neither a camera nor directions are given"),
         ({"directions": [(0, 0, 1)]}, "both a camera and directions are given, expected one of the two"),
-        ({"supersampling": 3}, "supersampling is 3, expected one of 1, 2, 4, 8"),
+        ({"supersampling": 3}, "supersampling is '3', expected one of 1, 2, 4, 8"),
         ({"layers": ("uv",)}, "layer 'uv' is unknown: expected one of grey, sky"),
         ({"pitch": 30}, "pitch is 30, expected radians within ±2π: degrees?"),
         ({"positions": [[0, 0, -1]]}, "position 0 has the eye -1 m high, expected above the ground"),

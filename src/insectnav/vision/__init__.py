@@ -2,7 +2,7 @@
 
 from insectnav.vision.cameras import AHEAD, UPWARDS, Camera, fisheye, panorama, parabolic_mirror
 from insectnav.vision.eyes import EYES, CompoundEye, both_eyes, desert_ant, honeybee, interommatidial_angles
-from insectnav.vision.lens_flare import NO_FLARE, Ghost, LensFlare, add_lens_flare, pixel_solid_angles
+from insectnav.vision.lens_flare import NO_FLARE, Ghost, LensFlare, add_lens_flare, halo_radiance, pixel_solid_angles
 from insectnav.vision.resampling import Resampler, resampler
 from insectnav.vision.sensor import (
     HIGHLIGHTS,
@@ -51,6 +51,7 @@ __all__ = [
     "expose",
     "fisheye",
     "great_circle_angle",
+    "halo_radiance",
     "honeybee",
     "ideal_sensor",
     "interommatidial_angles",

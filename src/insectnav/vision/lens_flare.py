@@ -4,6 +4,10 @@ Three parts, each a stated share of light. Veiling glare: of all the light that 
 veil; what it takes is missing in the picture. Halo: of the sun's light, spread about the sun. Ghosts: of the sun's
 light, reflected twice between surfaces of glass, an evenly bright spot on the line through sun and optical axis.
 
+ISO 9358:1994 defines the veiling glare index by a black spot in an even bright field. So the veil here has the index
+times the mean radiance before the lens, E / π, where E sums radiance times the cosine of the angle from the axis;
+outside the picture the scene is taken to be as bright as its mean.
+
 Energy: the veil gives a level sensor before the lens the irradiance `veiling_glare` times that of the light that falls
 on it; halo and ghost summed over all directions are their share of the sun's irradiance. The image of the sun itself is
 not dimmed by halo and ghosts: it is some ten thousand times as bright as what saturates a sensor.
@@ -19,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from insectnav.checks import InputError, check_range, check_shape
 from insectnav.vision.camera_models import PROJECTIONS
 from insectnav.vision.cameras import EQUIRECTANGULAR, Camera
-from insectnav.vision.picture_stacks import radiance_stack
+from insectnav.vision.picture_stacks import Stack, radiance_stack
 from insectnav.vision.sphere import check_directions, great_circle_angle, to_eye, to_world
 
 SUN_DIAMETER = float(np.deg2rad(0.53))  # [rad] mean, as of `insectnav.worlds.sky`
@@ -31,6 +35,9 @@ Reals = NDArray[np.floating[Any]]
 @dataclass(frozen=True, kw_only=True)
 class Ghost:
     """One image of the sun by two reflections.
+
+    In first-order optics its place in the picture is in proportion to that of the sun (Lee & Eisemann 2013, doi
+    10.1111/cgf.12145). A sun outside the field of the lens makes none.
 
     Parameters
     ----------
@@ -124,54 +131,58 @@ def add_lens_flare(
 
     Notes
     -----
-    Veil: ISO 9358:1994 defines the veiling glare index by a black spot in an even bright field. Here the veil has the
-    index times the mean radiance before the lens, E / π, where E sums radiance times the cosine of the angle from the
-    axis; outside the picture the scene is taken to be as bright as its mean. A lens is lit by a sun that is less than
-    90° from its axis, or in its field.
-
-    Halo: (1 - cos α + c)^(-slope / 2) at the angle α from the sun, c = halo_core² / 2, scaled to integrate to 1 over
-    the sphere; α^(-slope) beyond the core. The wings of images fall so: by the inverse square of the angle over a
-    factor of 1000, up to 6°, with 5 % of the light (King 1971, doi 10.1086/129100); at least by it in a survey of
-    instruments (Sandin 2014, doi 10.1051/0004-6361/201423429); by that of its sine up to a right angle from polished
-    and dusty surfaces (KenKnight 1984, ntrs.nasa.gov/citations/19850009602); telephoto lenses with good coatings
-    have several times less of it (Abraham & van Dokkum 2014, doi 10.1086/674875).
-
-    Ghosts: places in proportion to that of the sun, as in first-order optics (Lee & Eisemann 2013, doi
-    10.1111/cgf.12145). A sun outside the field makes none.
+    A lens is lit by a sun that is less than 90° from its axis, or in its field. The parts are described at the top of
+    the module, at `halo_radiance` and at `Ghost`.
     """
     stack = radiance_stack(radiance, has_bands)
     if stack.pictures.shape[1:3] != tuple(camera.size):
         raise InputError(f"radiance has pictures of {stack.pictures.shape[1:3]} pixels, expected {camera.size}")
-    n, n_bands = len(stack.pictures), stack.pictures.shape[-1]
+    check_range("sun_diameter", sun_diameter, 0.0, 0.5, "rad", "degrees?")
+    suns = _sun_of_each(stack, sun)
+    sunlight = _sunlight_of_each(stack, sun_irradiance, visible_share, has_bands)
+    lens, result = _lens(camera), stack.pictures.copy()
+    for k, picture in enumerate(stack.pictures):
+        if k == 0 or (suns[k] != suns[k - 1]).any():
+            pattern, weights = lens.sun_pattern(suns[k], flare), lens.weights(suns[k], sun_diameter)
+        pixels = picture[lens.seen].astype(np.float64)
+        # Not by @, whose order of sums depends on the number of threads
+        mean = np.einsum("p,pb->b", weights, pixels)
+        veil = flare.veiling_glare * (mean + sunlight[k] * max(lens.cosine(suns[k]), 0.0) / np.pi)
+        result[k][lens.seen] = (1.0 - flare.veiling_glare) * pixels + veil + pattern[:, None] * sunlight[k]
+    return stack.restored(result)
+
+
+def _sun_of_each(stack: Stack, sun: ArrayLike) -> Reals:
+    """Direction to the sun for each picture, (n, 3)."""
     vectors = np.asarray(check_directions("sun", sun), dtype=np.float64)
     check_shape("sun", vectors, (..., 3))
     try:
-        suns = np.broadcast_to(vectors, (*stack.batch, 3)).reshape(n, 3)
+        return np.broadcast_to(vectors, (*stack.batch, 3)).reshape(len(stack.pictures), 3)
     except ValueError:
         raise InputError(f"sun has shape {vectors.shape}, expected (3,) or {(*stack.batch, 3)}") from None
-    check_range("sun_diameter", sun_diameter, 0.0, 0.5, "rad", "degrees?")
+
+
+def _sunlight_of_each(stack: Stack, sun_irradiance: ArrayLike, visible_share: ArrayLike, has_bands: bool) -> Reals:
+    """Irradiance by what is seen of the sun, for each picture and band (n, band)."""
     irradiance = stack.values_of_each("sun_irradiance", sun_irradiance, has_bands)
     visible = stack.values_of_each("visible_share", visible_share, False)
     check_range("sun_irradiance", irradiance, 0.0, np.inf)
     check_range("visible_share", visible, 0.0, 1.0, "", "per cent?")
-
-    lens = _lens(camera)
-    seen = lens.seen
-    result = stack.pictures.copy()
-    for k in range(n):
-        if k == 0 or (suns[k] != suns[k - 1]).any():
-            pattern, weights = lens.sun_pattern(suns[k], flare), lens.weights(suns[k], sun_diameter)
-        sunlight = np.broadcast_to(irradiance[k] * visible[k], (n_bands,))
-        pixels = stack.pictures[k][seen].astype(np.float64)
-        # Not by @, whose order of sums depends on the number of threads
-        mean = np.einsum("p,pb->b", weights, pixels)
-        veil = flare.veiling_glare * (mean + sunlight * max(lens.cosine(suns[k]), 0.0) / np.pi)
-        result[k][seen] = (1.0 - flare.veiling_glare) * pixels + veil + pattern[:, None] * sunlight
-    return stack.restored(result)
+    return irradiance * visible
 
 
 def halo_radiance(angle: ArrayLike, flare: LensFlare) -> Reals:
-    """Radiance of the halo (...) [1/sr] at angles (...) [rad] from a sun of irradiance 1; see `add_lens_flare`."""
+    """Radiance of the halo (...) [1/sr] at angles (...) [rad] from a sun of irradiance 1.
+
+    Notes
+    -----
+    (1 - cos α + c)^(-slope / 2) at the angle α, c = halo_core² / 2, scaled to integrate to 1 over the sphere: like
+    α^(-slope) beyond the core. The wings of images fall so: by the inverse square of the angle over a factor of 1000,
+    up to 6°, with 5 % of the light (King 1971, doi 10.1086/129100); at least by it in a survey of instruments (Sandin
+    2014, doi 10.1051/0004-6361/201423429); by that of its sine up to a right angle from polished and dusty surfaces
+    (KenKnight 1984, ntrs.nasa.gov/citations/19850009602); telephoto lenses with good coatings have several times less
+    of it (Abraham & van Dokkum 2014, doi 10.1086/674875).
+    """
     core, power = flare.halo_core**2 / 2.0, flare.halo_slope / 2.0
     if power == 1.0:
         whole = np.log((2.0 + core) / core)

@@ -11,12 +11,12 @@ OFFSET, BIAS = 1.5, 0.75  # [pixel of the map] along the normal, and towards the
 
 
 class ShadowMap(NamedTuple):
-    """Depths towards a light that is far away."""
+    """Depths towards a light that is far away, or towards many: then all have a leading axis."""
 
     depth: Any  # (row, column) float32 [m] along the direction to the light, of the surface nearest to it
     frame: Any  # (3, 3) across, up, to the light: orthonormal
     corner: Any  # (2,) [m] across and up, of the corner of the first pixel
-    pixel: float  # [m]
+    pixel: Any  # [m]
 
 
 @lane_function

@@ -36,6 +36,14 @@ class Samples(NamedTuple):
     nearness: Any  # (pixel, sample) float32 [1/m], 0 for the sky
 
 
+class Poses(NamedTuple):
+    """Where eyes are and how they are held."""
+
+    position: Any  # (view, 3) [m]
+    rotation: Any  # (view, 3, 3), world ← eye
+    level: Any  # (view,) [rad] headings of those that are level, NaN for the others
+
+
 class Eye(NamedTuple):
     """The rays of an eye, in its own frame."""
 
@@ -72,13 +80,9 @@ def render(
         buffer of depths, whatever the tilt; other cameras by rays, which need the package embreex.
     directions : (..., 3) array of unit vectors, or None
         In place of a camera: x right, y ahead, z up in the frame of the eye; one ray each.
-    layers : names of bands of the world, and any of
-        "sky", the share of a pixel in which the sky is seen; "alpha", the share that the mesh covers (the rest is
-        ground); "nearness" [1/m], the mean of 1 / distance, 0 for the sky; "depth" [m], 1 / nearness, infinite for
-        the sky; "triangle", the index of the nearest triangle, -1 for the sky and -2 for the ground
+    layers : bands of the world, and any of "sky", "alpha", "nearness", "depth" and "triangle" of `render_layers`
     supersampling : 1, 2, 4 or 8 rays along each side of a camera's pixel, averaged
-    workers : threads; None for as many as there are cores. They change nothing in the results
-    progress : called with the number of views finished at a time
+    workers, progress : as of `render_panorama`
 
     Returns
     -------
@@ -98,36 +102,54 @@ def render(
     """
     for layer in layers:
         check_choice("layer", layer, (*world.bands, *LAYERS))
-    shape_of = world.shape if isinstance(world, LitWorld) else world
-    position, rotation, level = _check_eyes(shape_of, positions, (headings, pitch, roll))
-    if isinstance(world, World) and camera is not None and directions is None and np.isfinite(level).all():
-        whole = whole_panorama(camera)
-        if whole is not None:
-            resolution, elevation = whole
-            return render_layers(
-                world, position, level, layers, resolution_deg=resolution, elevation_deg=elevation,
-                supersampling=supersampling, workers=workers, progress=progress,
-            )  # fmt: skip
+    shape = world.shape if isinstance(world, LitWorld) else world
+    position, rotation, level = _check_eyes(shape, positions, (headings, pitch, roll))
+    whole = None if camera is None or directions is not None else whole_panorama(camera)
+    if isinstance(world, World) and whole is not None and np.isfinite(level).all():
+        options: Any = {"supersampling": supersampling, "workers": workers, "progress": progress}
+        resolution, elevation = whole
+        return render_layers(
+            world, position, level, layers, resolution_deg=resolution, elevation_deg=elevation, **options
+        )
     eye = _camera_eye(camera, supersampling) if directions is None else _single_rays(camera, directions)
     check_size((len(position), *eye.shape), len(layers))
-    found = _empty(layers, (len(position), math.prod(eye.shape)))
-    has_no_sky = np.zeros(len(position), np.bool_)
-    if isinstance(world, LitWorld):
-        world.packed  # noqa: B018  once, before the threads ask for it
-    if eye.panorama is None:
-        cast_rays(shape_of, position[:1], np.zeros((1, 0, 3)))  # the tree of triangles, likewise
+    return _render_samples(world, Poses(position, rotation, level), eye, layers, workers, progress)
+
+
+def _render_samples(
+    world: World | LitWorld,
+    poses: Poses,
+    eye: Eye,
+    layers: Sequence[str],
+    workers: int | None,
+    progress: Callable[[int], None] | None,
+) -> Layers:
+    """Each view from what each of its rays meets."""
+    shape, n_views = world.shape if isinstance(world, LitWorld) else world, len(poses.position)
+    found = _empty(layers, (n_views, math.prod(eye.shape)))
+    has_no_sky = np.zeros(n_views, np.bool_)
+    _make_ready(world, shape, eye)
 
     def run_task(first: int, last: int) -> None:
         for view in range(first, last):
-            samples = _meet(shape_of, position[view], rotation[view], float(level[view]), eye)
+            position = poses.position[view]
+            samples = _meet(shape, position, poses.rotation[view], float(poses.level[view]), eye)
             has_no_sky[view] = not (samples.triangle == SKY).any() and (samples.rays[..., 2] > 0).any()
-            values = _values(world, layers, samples, position[view], eye.pixel_angle)
+            values = _values(world, layers, samples, position, eye.pixel_angle)
             for layer in layers:
                 found[layer][view, eye.place] = values[layer]
 
-    run_in_threads(run_task, len(position), workers, progress)
-    check_outside_solids(shape_of, position, has_no_sky)
-    return {layer: values.reshape(len(position), *eye.shape) for layer, values in found.items()}
+    run_in_threads(run_task, n_views, workers, progress)
+    check_outside_solids(shape, poses.position, has_no_sky)
+    return {layer: values.reshape(n_views, *eye.shape) for layer, values in found.items()}
+
+
+def _make_ready(world: World | LitWorld, shape: World, eye: Eye) -> None:
+    """Have what all views need made once, before several threads ask for it."""
+    if isinstance(world, LitWorld):
+        world.packed  # noqa: B018
+    if eye.panorama is None:
+        cast_rays(shape, np.zeros((1, 3)), np.zeros((1, 0, 3)))
 
 
 def _check_eyes(world: World, positions: npt.ArrayLike, angles: tuple[npt.ArrayLike, ...]) -> tuple[Floats, Any, Any]:
@@ -215,8 +237,8 @@ def _values(
     world: World | LitWorld, layers: Sequence[str], samples: Samples, position: Floats, pixel_angle: float
 ) -> Layers:
     """Mean of each layer over the samples of each pixel, (pixel,)."""
-    found: Layers = {}
-    nearness = samples.nearness.mean(axis=1) if {"nearness", "depth"} & set(layers) else None
+    found: dict[str, Any] = {}
+    nearness = samples.nearness.mean(axis=1)
     if isinstance(world, LitWorld) and set(world.bands) & set(layers):
         found |= _radiance(world, samples, position, pixel_angle)
     for layer in layers:
