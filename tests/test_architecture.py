@@ -38,9 +38,7 @@ HEAVY = ("numba", "llvmlite", "matplotlib", "scipy", "xarray", "pandas", "zarr")
 MAX_FILE_LINES = 400
 MAX_FUNCTION_LINES = 60
 COMPILED = {"kernel", "lane_function"}  # decorators under which numba infers the types
-LONG_TABLES = frozenset(
-    {"insectnav.cli.render_command:render"}
-)  # "insectnav.module:function" of functions that are tables
+LONG_TABLES: frozenset[str] = frozenset()  # "insectnav.module:function" of functions that are tables
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 Definition = Function | ast.ClassDef

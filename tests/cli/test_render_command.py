@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from command_line import Outcome, assert_refused, everything, in_process, strict
+from insectnav.cli import render_options
+from insectnav.cli.render_command import render_params
 from insectnav.datasets.picture_files import read_picture
 from insectnav.experiments.rendering import job
 from insectnav.experiments.rendering.frame_store import FrameStore
+from insectnav.experiments.rendering.pictures import USUAL
 from insectnav.vision import panorama
 from insectnav.worlds import light_world, load_world, render, render_panorama
 from insectnav.worlds.builders import build_world
@@ -60,7 +63,12 @@ def test_one_picture(insectnav: Callable, tmp_path: Path):
     sky = visible[0].astype(int).mean(axis=0)
     assert sky[2] > sky[1] > sky[0]  # red, green, blue: a blue sky
     (row,) = table(folder)
-    assert (row["x_m"], row["z_m"], row["weather"], row["light_utc"]) == ("0.0", "0.01", "clear", "2014-04-11T09:23:55Z")
+    assert (row["x_m"], row["z_m"], row["weather"], row["light_utc"]) == (
+        "0.0",
+        "0.01",
+        "clear",
+        "2014-04-11T09:23:55Z",
+    )
     assert float(row["sun_elevation_deg"]) == pytest.approx(39.9, abs=0.2)
     assert json.loads((folder / "render.json").read_text())["parameters"]["place"]["seed"] == 3
 
@@ -259,6 +267,32 @@ def test_words_say_what_was_made_and_what_may_be_a_slip(insectnav: Callable):
     assert "leaves" not in insectnav("render", *TINY, "--time", "12:00", "--out", "spring").out
 
 
+def test_help_tells_the_defaults_that_are(insectnav: Callable):
+    """Each default that the help gives as a value changes nothing when it is given."""
+    kinds = {render_options.NUMBER: float, render_options.COUNT: int, render_options.TEXT: str}
+    nothing = dict.fromkeys(name[2:].replace("-", "_") for name, *_ in render_options.OPTIONS) | {"world": "city"}
+    usual = render_params(nothing)
+    told = 0
+    for name, kind, _, shown, _ in render_options.OPTIONS:
+        word = shown.split(",")[0] if name == "--latitude" else shown
+        if (
+            kind not in kinds
+            or name == "--metres-per-unit"
+            or not word
+            or " " in word
+            or name in ("--pictures", "--out", "--size", "--foliage")
+        ):
+            continue
+        given = render_params(nothing | {name[2:].replace("-", "_"): kinds[kind](word)})
+        assert given.camera.camera() == usual.camera.camera()
+        assert given.camera.supersampling == usual.camera.supersampling
+        if name not in ("--resolution", "--elevation"):
+            assert given == usual, name
+        told += 1
+    assert told > 25
+    assert ",".join(USUAL["sky"]) in insectnav("render", "--help").out.replace("\n", "").replace(" ", "")
+
+
 BAD = {
     "render": "Missing argument",
     "render antworld": "did you mean ant-world?",
@@ -270,7 +304,7 @@ BAD = {
     "render ant-world --at 500,3": "frame 0 at (500, 3) m lies outside the world",
     "render ant-world --at 3": "expected 2 or 3 numbers as in 1,2",
     "render ant-world --at 0,0 --eye-height -1": "eye height is -1",
-    "render suburban-street --at 16,108,1.3": "frame 0 at (16, 108, 1.3) m sees no sky and is inside a solid",
+    "render suburban-street --at 16,108,1.3": "frame 0 at (16, 108, 1.3) m is inside a solid",
     "render ant-world --positions nowhere.csv": "no such file",
     "render ant-world --positions far.csv": "frame 1 at (900, 2) m lies outside the world",
     "render ant-world --positions epoch.csv": "seconds since 1970",

@@ -5,12 +5,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from insectnav.checks import InputError, quoted
-from insectnav.cli import render_options as option
 from insectnav.cli.experiment_commands import RunInterruptedError
 from insectnav.cli.progress import progress_bar
+from insectnav.cli.render_options import with_options
 
 if TYPE_CHECKING:
     from insectnav.experiments.rendering.plan import Plan, RenderParams
@@ -35,73 +33,10 @@ _PICTURES = {
 }  # fmt: skip
 
 
-def render(
-    context: typer.Context,
-    world: option.World,
-    seed: option.Seed = None,
-    set_: option.Set = None,
-    foliage: option.Foliage = None,
-    world_time: option.WorldTime = None,
-    up: option.Up = None,
-    metres_per_unit: option.MetresPerUnit = None,
-    material: option.MeshMaterial = None,
-    light: option.Light = None,
-    positions: option.Positions = None,
-    at: option.At = None,
-    spacing: option.Spacing = None,
-    frame_rate: option.FrameRate = None,
-    frames: option.Frames = None,
-    speed: option.Speed = None,
-    start: option.Start = None,
-    stop: option.Stop = None,
-    reverse: option.Reverse = False,
-    offset: option.Offset = None,
-    heading: option.Heading = None,
-    pitch: option.Pitch = None,
-    roll: option.Roll = None,
-    eye_height: option.EyeHeight = None,
-    yaw_jitter: option.YawJitter = None,
-    pitch_jitter: option.PitchJitter = None,
-    roll_jitter: option.RollJitter = None,
-    lateral_jitter: option.LateralJitter = None,
-    jitter_length: option.JitterLength = None,
-    jitter_seed: option.JitterSeed = None,
-    date: option.Date = None,
-    time: option.Time = None,
-    latitude: option.Latitude = None,
-    longitude: option.Longitude = None,
-    sun: option.Sun = None,
-    weather: option.Weather = None,
-    turbidity: option.Turbidity = None,
-    cloud_seed: option.CloudSeed = None,
-    wind: option.Wind = None,
-    refresh: option.Refresh = None,
-    camera: option.Camera = None,
-    resolution: option.Resolution = None,
-    elevation: option.Elevation = None,
-    size: option.Size = None,
-    field_of_view: option.FieldOfView = None,
-    lens: option.Lens = None,
-    look: option.Look = None,
-    supersampling: option.Supersampling = None,
-    pictures: option.Pictures = None,
-    format_: option.Format = None,
-    bits: option.Bits = None,
-    response: option.Response = None,
-    exposure: option.Exposure = None,
-    meter: option.Meter = None,
-    white_balance: option.WhiteBalance = None,
-    noise: option.Noise = False,
-    noise_seed: option.NoiseSeed = None,
-    flare: option.Flare = False,
-    out: option.Out = None,
-    resume: option.Resume = False,
-    replace: option.Replace = False,
-    workers: option.Workers = None,
-    as_json: option.AsJson = False,
-) -> None:
+@with_options
+def render(**given: Any) -> None:
     """Render a world: one picture, a traverse of its route, or the positions of a table."""
-    _render({name.rstrip("_"): value for name, value in context.params.items()})
+    _render(given)
 
 
 def _render(given: Mapping[str, Any]) -> None:
@@ -124,7 +59,7 @@ def _render(given: Mapping[str, Any]) -> None:
             raise RunInterruptedError("frames") from None
         raise
     notes = notes_on(plan)
-    print(to_json(result | {"notes": notes}) if given["as_json"] else _in_words(plan, result, notes))
+    print(to_json(result | {"notes": notes}) if given["json"] else _in_words(plan, result, notes))
 
 
 def render_params(given: Mapping[str, Any]) -> "RenderParams":
