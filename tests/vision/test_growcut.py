@@ -156,7 +156,7 @@ def test_what_was_returned_stays_and_what_was_given_too():
 @pytest.mark.parametrize(
     ("image", "strokes", "options", "sentence"),
     [
-        (np.zeros((3, 4)), np.zeros((4, 3), int), {}, "strokes have shape (4, 3), the image has (3, 4) pixels: strokes"),
+        (np.zeros((3, 4)), np.zeros((4, 3), int), {}, "strokes have shape (4, 3), the image has (3, 4) pixels: st"),
         (np.zeros((3, 4)), np.zeros((3, 4), int), {}, "strokes are 0 everywhere, expected at least one painted pixel"),
         (np.zeros((3, 4)), np.ones((3, 4)), {}, "strokes hold float64 values, expected whole numbers"),
         (np.zeros((3, 4)), np.full((3, 4), -1), {}, "strokes reaches -1, expected 0 to"),
@@ -165,8 +165,8 @@ def test_what_was_returned_stays_and_what_was_given_too():
         (np.zeros(4), np.ones(4, int), {}, "image has shape (4,), expected (rows, columns) or"),
         (np.zeros((0, 4)), np.ones((0, 4), int), {}, "image has shape (0, 4), expected"),
         (np.zeros((2, 2)), np.ones((2, 2), int), {"neighbourhood": "more"}, "(did you mean moore?)"),
-        (np.zeros((2, 2)), np.ones((2, 2), int), {"seed_strength": 0.0}, "seed strength reaches 0, expected 1e-09 to 1"),
-        (np.zeros((2, 2)), np.ones((2, 2), int), {"seed_strength": [1.0]}, "seed strength has shape (1,), expected one"),
+        (np.zeros((2, 2)), np.ones((2, 2), int), {"seed_strength": 0.0}, "seed strength reaches 0, expected 1e-09"),
+        (np.zeros((2, 2)), np.ones((2, 2), int), {"seed_strength": [1.0]}, "seed strength has shape (1,), expected"),
     ],
 )  # fmt: skip
 def test_bad_input_is_told_in_a_sentence(image: np.ndarray, strokes: np.ndarray, options: dict, sentence: str):

@@ -8,6 +8,7 @@ import typer
 from insectnav.checks import InputError
 from insectnav.cli.experiment_commands import RunInterruptedError, list_experiments, report, run
 from insectnav.cli.home_command import home
+from insectnav.cli.label_command import label
 
 INTERRUPTED = 130  # exit code, as of shells
 
@@ -38,6 +39,7 @@ app.command()(home)
 app.command("list")(list_experiments)
 app.command()(run)
 app.command()(report)
+app.command()(label)
 
 
 def run_command(figure: object = None) -> int:

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError, as_numbers, check_choice, check_finite, check_range
 
-NEIGHBOURHOODS = {"moore": 8, "von-neumann": 4}  # number of neighbours of a pixel
+BESIDE, ACROSS = ((0, -1), (0, 1), (-1, 0), (1, 0)), ((-1, -1), (-1, 1), (1, -1), (1, 1))  # rows, columns
+NEIGHBOURHOODS = {"moore": BESIDE + ACROSS, "von-neumann": BESIDE}
 MAX_PIXELS = 2**28
 MAX_LABEL = 2**31 - 1
 LEAST_SEED_STRENGTH = 1e-9  # of a soft stroke
@@ -82,7 +83,7 @@ class StrokeGrower:
 
     def __init__(self, image: ArrayLike, *, neighbourhood: str = "moore") -> None:
         check_choice("neighbourhood", neighbourhood, tuple(NEIGHBOURHOODS))
-        self.n_neighbours = NEIGHBOURHOODS[neighbourhood]
+        self._steps = np.array(NEIGHBOURHOODS[neighbourhood])
         array = as_numbers("image", image)
         if array.ndim not in (2, 3) or array.size == 0:
             raise InputError(f"image has shape {array.shape}, expected (rows, columns) or (rows, columns, bands)")
@@ -127,7 +128,7 @@ class StrokeGrower:
         self._length[seeds] = 0 if strength is None else np.rint(-UNITS * np.log(strength.ravel()[seeds]))
         self._order[seeds] = flat[seeds]
         self._painted = None  # until all is well again
-        grow(self._pixels, self.shape[1], self._greatest, self.n_neighbours, seeds, self._length, self._order)
+        grow(self._pixels, self.shape[1], self._greatest, self._steps, seeds, self._length, self._order)
         self._painted = flat.copy() if strength is None else None
         return self._result(painted.dtype)
 

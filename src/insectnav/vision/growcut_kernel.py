@@ -138,16 +138,35 @@ def open_bucket(lists, heap, count, bucket, length, order):
     return heap
 
 
+@lane_function
+def attack(image, columns, greatest, steps, here, bucket, lists, heap, count, length, order):
+    """Let a pixel that has come to rest attack its neighbours; there is room for all of them."""
+    rows, row, column = length.size // columns, here // columns, here % columns
+    here_length, next_order = length[here], order[here] + STEP
+    for k in range(len(steps)):
+        r, c = row + steps[k, 0], column + steps[k, 1]
+        there = r * columns + c
+        if r < 0 or r >= rows or c < 0 or c >= columns or length[there] < here_length:
+            continue
+        limit = length[there] - here_length
+        next_length = here_length + step_length(image, here, there, greatest, limit)
+        if not is_before(next_length, next_order, length[there], order[there]):
+            continue
+        length[there], order[there] = next_length, next_order
+        if next_length >> BUCKET_BITS == bucket:
+            push(heap, count[IN_HEAP], next_length, next_order, there)
+            count[IN_HEAP] += 1
+        else:
+            put(lists, count, next_length >> BUCKET_BITS, there)
+
+
 @kernel
-def grow(image, columns, greatest, n_neighbours, seeds, length, order):
+def grow(image, columns, greatest, steps, seeds, length, order):
     """Let labels grow from the seeds until nothing changes.
 
     ``image`` is (pixel, band); ``length`` and ``order`` are (pixel,) and changed in place: on entry they hold those of
-    the seeds, and elsewhere UNREACHED, or what earlier seeds have led to. A step goes to one of 4 or 8 neighbours.
+    the seeds, and elsewhere UNREACHED, or what earlier seeds have led to. ``steps`` is (neighbour, 2): rows, columns.
     """
-    rows = length.size // columns
-    row_step = np.array((0, 0, -1, 1, -1, -1, 1, 1))
-    column_step = np.array((-1, 1, 0, 0, -1, 1, -1, 1))
     lists = Lists(
         np.full(N_BUCKETS, -1, np.int32),
         np.empty(seeds.size + CAPACITY, np.int32),
@@ -173,19 +192,4 @@ def grow(image, columns, greatest, n_neighbours, seeds, length, order):
             lists = Lists(lists.head, doubled(lists.pixel), doubled(lists.following))
         if count[IN_HEAP] + 8 > heap.pixel.size:
             heap = Heap(doubled(heap.length), doubled(heap.order), doubled(heap.pixel))
-        row, column, next_order = here // columns, here % columns, here_order + STEP
-        for k in range(n_neighbours):
-            r, c = row + row_step[k], column + column_step[k]
-            there = r * columns + c
-            if r < 0 or r >= rows or c < 0 or c >= columns or length[there] < here_length:
-                continue
-            limit = length[there] - here_length
-            next_length = here_length + step_length(image, here, there, greatest, limit)
-            if not is_before(next_length, next_order, length[there], order[there]):
-                continue
-            length[there], order[there] = next_length, next_order
-            if next_length >> BUCKET_BITS == bucket:
-                push(heap, count[IN_HEAP], next_length, next_order, there)
-                count[IN_HEAP] += 1
-            else:
-                put(lists, count, next_length >> BUCKET_BITS, there)
+        attack(image, columns, greatest, steps, here, bucket, lists, heap, count, length, order)
