@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 
 from command_line import NEEDS_POSIX, Outcome, assert_refused, everything, in_process, strict
-from insectnav.labelling.pictures import write_png
+from insectnav.labelling.pictures import write_picture
 from labelling_scene import COLUMNS, ROWS, is_sky, leave, read, strokes
 
 
 @pytest.fixture
 def insectnav(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> Callable[..., Outcome]:
     leave(tmp_path, "street.png")
-    write_png(tmp_path / "painted.png", strokes())
+    write_picture(tmp_path / "painted.png", strokes())
     return in_process(tmp_path, monkeypatch, capsys)
 
 

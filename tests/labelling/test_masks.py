@@ -8,7 +8,7 @@ import pytest
 
 from insectnav.checks import InputError
 from insectnav.labelling.masks import mask_from_strokes, read_strokes, shares
-from insectnav.labelling.pictures import list_pictures, on_screen, read_picture, write_png
+from insectnav.labelling.pictures import list_pictures, on_screen, read_picture, write_picture
 from insectnav.vision.growcut import grow_cut
 from labelling_scene import COLUMNS, ROWS, is_sky, leave, picture, read, strokes
 
@@ -16,7 +16,7 @@ from labelling_scene import COLUMNS, ROWS, is_sky, leave, picture, read, strokes
 @pytest.mark.parametrize("name", ["street.png", "street.tif"])
 def test_mask_is_the_sky(name: str, tmp_path: Path):
     leave(tmp_path, name)
-    write_png(tmp_path / "s.png", strokes())
+    write_picture(tmp_path / "s.png", strokes())
     told = mask_from_strokes(tmp_path / name, tmp_path / "s.png", tmp_path / "deep" / "m.png")
     mask = read(tmp_path / "deep" / "m.png")
     np.testing.assert_array_equal(mask == 255, is_sky())
@@ -28,10 +28,10 @@ def test_mask_is_the_sky(name: str, tmp_path: Path):
 def test_pixels_that_no_stroke_reaches_are_grey_and_told(tmp_path: Path):
     image = np.zeros((6, 8), np.uint8)
     image[:, 4:] = 255  # black against the brightest: g = 0
-    write_png(tmp_path / "i.png", image)
+    write_picture(tmp_path / "i.png", image)
     painted = np.full((6, 8), 128, np.uint8)
     painted[0, 0] = 0
-    write_png(tmp_path / "s.png", painted)
+    write_picture(tmp_path / "s.png", painted)
     told = mask_from_strokes(tmp_path / "i.png", tmp_path / "s.png", tmp_path / "m.png")
     np.testing.assert_array_equal(read(tmp_path / "m.png"), np.where(image == 0, 0, 128))
     assert told == (0.0, 0.5, 24)
@@ -120,7 +120,7 @@ def test_labels_are_those_of_grow_cut(tmp_path: Path):
     image = rng.integers(0, 256, (40, 50, 3), np.uint8)
     painted = rng.choice([128, 0, 255], (40, 50), p=[0.9, 0.05, 0.05]).astype(np.uint8)
     cv2.imwrite(str(tmp_path / "i.png"), image[..., ::-1])
-    write_png(tmp_path / "s.png", painted)
+    write_picture(tmp_path / "s.png", painted)
     mask_from_strokes(tmp_path / "i.png", tmp_path / "s.png", tmp_path / "m.png")
     labels = grow_cut(image, np.select([painted == 255, painted == 0], [2, 1], 0)).labels
     np.testing.assert_array_equal(read(tmp_path / "m.png"), np.array([128, 0, 255])[labels])
@@ -128,9 +128,9 @@ def test_labels_are_those_of_grow_cut(tmp_path: Path):
 
 def test_nothing_painted_and_no_place_to_write_are_told(tmp_path: Path):
     leave(tmp_path, "i.png")
-    write_png(tmp_path / "s.png", np.full((ROWS, COLUMNS), 128, np.uint8))
+    write_picture(tmp_path / "s.png", np.full((ROWS, COLUMNS), 128, np.uint8))
     with pytest.raises(InputError, match="is 128 everywhere"):
         mask_from_strokes(tmp_path / "i.png", tmp_path / "s.png", tmp_path / "m.png")
-    write_png(tmp_path / "s.png", strokes())
+    write_picture(tmp_path / "s.png", strokes())
     with pytest.raises(InputError, match="cannot be written"):
         mask_from_strokes(tmp_path / "i.png", tmp_path / "s.png", tmp_path / "i.png" / "m.png")

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, quoted
-from insectnav.labelling.pictures import Bytes, read_picture, write_png
+from insectnav.labelling.pictures import Bytes, read_picture, write_picture
 from insectnav.vision.growcut import StrokeGrower
 
 UNKNOWN, GROUND, SKY = 0, 1, 2  # labels of GrowCut, and on the wire
@@ -92,7 +92,7 @@ def read_strokes(path: Path, shape: tuple[int, int]) -> Bytes:
 
 def write_labels(path: Path, labels: NDArray[Any]) -> None:
     """Labels as a PNG: of a mask, or of strokes."""
-    write_png(path, GREY[labels])
+    write_picture(path, GREY[labels])
 
 
 def mask_from_strokes(picture: Path, strokes: Path, mask: Path) -> Shares:

@@ -91,8 +91,8 @@ def read_picture(path: Path) -> NDArray[Any]:
     return np.ascontiguousarray(pixels)
 
 
-def write_png(path: Path, pixels: Bytes) -> None:
-    """Grey PNG, written under another name and renamed.
+def write_picture(path: Path, pixels: NDArray[Any]) -> None:
+    """Picture, grey or in red, green and blue, in the format of its ending; written under another name and renamed.
 
     Raises
     ------
@@ -101,7 +101,8 @@ def write_png(path: Path, pixels: Bytes) -> None:
     """
     import cv2
 
-    content = cv2.imencode(".png", pixels)[1].tobytes()
+    stored = np.ascontiguousarray(pixels[..., ::-1] if pixels.ndim == 3 else pixels)
+    content = cv2.imencode(path.suffix, stored)[1].tobytes()
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
