@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Ultraviolet laid over green
 #
-# A rendered street, not a photograph, in two bands: walls as bright as the sky in green are dark in ultraviolet. Between
-# the two pictures the camera was moved, turned and zoomed a little; mutual information finds by how much.
+# A rendered street, not a photograph, in two bands: walls as bright as the sky in green are dark in ultraviolet.
+# Between the two pictures the camera was moved, turned and zoomed a little; mutual information finds by how much.
 #
 #     python examples/align_bands.py [FOLDER]
 #
