@@ -12,11 +12,13 @@ import pytest
 from browser import opened_browser
 from command_line import until
 from insectnav.labelling.desk import Desk
+from insectnav.labelling.masks import load_kernel
 from insectnav.labelling.server import LabelServer
 from insectnav.vision.growcut import grow_cut
 from labelling_scene import COLUMNS, ROWS, is_sky, leave, picture, read, served, strokes
 
 pytestmark = pytest.mark.slow
+PATIENCE = 60.0  # [s] on a busy machine
 SKY_LINE, GROUND_LINE = ((0.15, 0.12), (0.5, 0.16), (0.85, 0.12)), ((0.15, 0.9), (0.85, 0.85))  # shares of the picture
 TINTED = """const c = document.getElementById("canvas"), r = devicePixelRatio;
     return [...c.getContext("2d").getImageData(arguments[0] * r, arguments[1] * r, 1, 1).data].slice(0, 3)"""
@@ -24,6 +26,7 @@ TINTED = """const c = document.getElementById("canvas"), r = devicePixelRatio;
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    load_kernel()
     with opened_browser(tmp_path_factory.mktemp("browser")) as chrome:
         yield chrome
 
@@ -36,11 +39,11 @@ def page(browser: Any, tmp_path: Path) -> Iterator[tuple[Any, LabelServer]]:
         browser.get_log("browser")
         browser.get_log("performance")
         browser.get(server.url)
-        until(lambda: words(browser, "status").startswith("Paint"), 20.0)
+        until(lambda: words(browser, "status").startswith("Paint"), PATIENCE)
         yield browser, server
         if not browser.find_element("id", "end").is_displayed():
             finish(browser)
-        until(lambda: not thread.is_alive(), 10.0)
+        until(lambda: not thread.is_alive(), PATIENCE)
         browser.get("about:blank")
 
 
@@ -54,7 +57,7 @@ def click(browser: Any, name: str) -> None:
 
 def finish(browser: Any) -> None:
     click(browser, "finish")
-    until(lambda: "You can close this page" in words(browser, "end-words"), 10.0)
+    until(lambda: "You can close this page" in words(browser, "end-words"), PATIENCE)
 
 
 def press(browser: Any, keys: str, *held: str) -> None:
@@ -99,17 +102,17 @@ def shown_share(browser: Any) -> float:
 
 
 def masks_and_strokes(server: LabelServer, number: int) -> tuple[np.ndarray, np.ndarray]:
-    until(lambda: server.desk.mask_path(number).exists(), 10.0)
+    until(lambda: server.desk.mask_path(number).exists(), PATIENCE)
     return read(server.desk.mask_path(number)), read(server.desk.strokes_path(number))
 
 
 def test_painted_mask_is_seen_and_saved(page: tuple):
     browser, server = page
     paint(browser, SKY_LINE)
-    until(lambda: shown_share(browser) == 100.0, 20.0)
+    until(lambda: shown_share(browser) == 100.0, PATIENCE)
     click(browser, "ground")
     paint(browser, GROUND_LINE)
-    until(lambda: shown_share(browser) < 99.0, 20.0)
+    until(lambda: shown_share(browser) < 99.0, PATIENCE)
     assert shown_share(browser) == pytest.approx(100.0 * is_sky().mean(), abs=0.06)
     blue = browser.execute_script(TINTED, *on_screen(browser, 0.5, 0.3))
     brown = browser.execute_script(TINTED, *on_screen(browser, 0.5, 0.7))
@@ -117,7 +120,7 @@ def test_painted_mask_is_seen_and_saved(page: tuple):
     assert brown[0] > brown[2] + 40
     press(browser, "s", "\ue009")  # Control
     mask, painted = masks_and_strokes(server, 0)
-    until(lambda: words(browser, "status").startswith("Saved"), 10.0)
+    until(lambda: words(browser, "status").startswith("Saved"), PATIENCE)
     for line, value in ((SKY_LINE, 255), (GROUND_LINE, 0)):
         for x, y in line:
             assert painted[int(y * ROWS), int(x * COLUMNS)] == value
@@ -131,19 +134,19 @@ def test_strokes_are_undone_redone_erased_and_painted_by_the_right_button(page: 
     browser, server = page
     paint(browser, SKY_LINE)
     paint(browser, GROUND_LINE, right=True)
-    until(lambda: shown_share(browser) < 99.0, 20.0)
+    until(lambda: shown_share(browser) < 99.0, PATIENCE)
     share = shown_share(browser)
     press(browser, "z", "\ue009")
-    until(lambda: shown_share(browser) == 100.0, 10.0)
+    until(lambda: shown_share(browser) == 100.0, PATIENCE)
     press(browser, "z", "\ue009")
-    until(lambda: words(browser, "shares") == "", 10.0)
+    until(lambda: words(browser, "shares") == "", PATIENCE)
     assert not browser.find_element("id", "undo").is_enabled()
     click(browser, "redo")
     click(browser, "redo")
-    until(lambda: shown_share(browser) == share, 10.0)
+    until(lambda: shown_share(browser) == share, PATIENCE)
     press(browser, "e")
     paint(browser, GROUND_LINE)
-    until(lambda: shown_share(browser) == 100.0, 10.0)
+    until(lambda: shown_share(browser) == 100.0, PATIENCE)
     click(browser, "save")
     mask, painted = masks_and_strokes(server, 0)
     assert set(np.unique(mask)) == {255}
@@ -171,21 +174,21 @@ def test_going_on_saves_and_coming_back_shows_what_was_saved(page: tuple):
     browser, server = page
     paint(browser, SKY_LINE)
     paint(browser, GROUND_LINE, right=True)
-    until(lambda: shown_share(browser) < 99.0, 20.0)
+    until(lambda: shown_share(browser) < 99.0, PATIENCE)
     press(browser, "n")
     masks_and_strokes(server, 0)
-    until(lambda: browser.title.startswith("b.png"), 10.0)
-    until(lambda: words(browser, "status").startswith("Paint"), 10.0)
+    until(lambda: browser.title.startswith("b.png"), PATIENCE)
+    until(lambda: words(browser, "status").startswith("Paint"), PATIENCE)
     assert words(browser, "shares") == ""
     assert words(browser, "progress") == "1 of 2 have a mask"
     items = browser.find_elements("css selector", "#list li")
     assert [item.get_attribute("class") for item in items] == ["labelled", ""]
     press(browser, "p")
-    until(lambda: words(browser, "shares") != "", 10.0)
+    until(lambda: words(browser, "shares") != "", PATIENCE)
     assert shown_share(browser) == pytest.approx(100.0 * is_sky().mean(), abs=0.06)
     finish(browser)
     assert "1 of 2 pictures have a mask" in words(browser, "end-words")
-    until(lambda: server.is_ending, 10.0)
+    until(lambda: server.is_ending, PATIENCE)
 
 
 def test_views_are_picture_tint_and_mask(page: tuple):
@@ -193,7 +196,7 @@ def test_views_are_picture_tint_and_mask(page: tuple):
     shutil.rmtree(server.desk.folder, ignore_errors=True)
     paint(browser, SKY_LINE)
     paint(browser, GROUND_LINE, right=True)
-    until(lambda: shown_share(browser) < 99.0, 20.0)
+    until(lambda: shown_share(browser) < 99.0, PATIENCE)
     place = on_screen(browser, 0.5, 0.3)
     colours = []
     for view in ("plain", "tint", "mask"):
@@ -208,7 +211,7 @@ def test_views_are_picture_tint_and_mask(page: tuple):
 def test_page_complains_of_nothing_and_asks_nobody_else(page: tuple):
     browser, server = page
     paint(browser, SKY_LINE)
-    until(lambda: shown_share(browser) == 100.0, 20.0)
+    until(lambda: shown_share(browser) == 100.0, PATIENCE)
     assert browser.get_log("browser") == []
     events = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
     urls = {event["params"]["request"]["url"] for event in events if event["method"] == "Network.requestWillBeSent"}
@@ -221,10 +224,10 @@ def test_message_of_the_program_is_shown(page: tuple):
     paint(browser, SKY_LINE)
     server.desk.folder.write_text("in the way")
     click(browser, "save")
-    until(lambda: "cannot be written" in words(browser, "status"), 10.0)
+    until(lambda: "cannot be written" in words(browser, "status"), PATIENCE)
     server.desk.folder.unlink()
     click(browser, "save")
-    until(lambda: words(browser, "status").startswith("Saved"), 10.0)
+    until(lambda: words(browser, "status").startswith("Saved"), PATIENCE)
     assert strokes().shape == masks_and_strokes(server, 0)[0].shape
 
 
@@ -232,11 +235,11 @@ def test_closed_page_ends_the_program(browser: Any, tmp_path: Path):
     leave(tmp_path, "a.png")
     with served(Desk([tmp_path / "a.png"], tmp_path), patience_s=1.0) as (server, thread):
         browser.get(server.url)
-        until(lambda: words(browser, "status").startswith("Paint"), 20.0)
+        until(lambda: words(browser, "status").startswith("Paint"), PATIENCE)
         assert not browser.find_element("id", "pictures").is_displayed()  # there is but one
         browser.refresh()
-        until(lambda: words(browser, "status").startswith("Paint"), 20.0)
+        until(lambda: words(browser, "status").startswith("Paint"), PATIENCE)
         thread.join(2.0)
         assert thread.is_alive()
         browser.get("about:blank")
-        until(lambda: not thread.is_alive(), 10.0)
+        until(lambda: not thread.is_alive(), PATIENCE)

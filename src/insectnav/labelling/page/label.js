@@ -1,5 +1,5 @@
 // The page: tools, keys and pointer, the picture with its layers, and talk with the program.
-import { ERASE, GROUND, Layer, Painting, SKY } from "./painting.js";
+import { ERASE, GROUND, Layer, Painting, ring, SKY } from "./painting.js";
 import { ask, packed, unpacked } from "./talk.js";
 
 const at = id => document.getElementById(id);
@@ -9,6 +9,7 @@ const VIEWS = ["tint", "mask", "plain"];
 const STROKE = [[0, 0, 0, 0], [213, 94, 0, 255], [0, 114, 178, 255]];
 const TINT = [[255, 255, 255, 0], [230, 159, 0, 64], [86, 180, 233, 120]];
 const MASK = [[128, 128, 128, 255], [0, 0, 0, 255], [255, 255, 255, 255]];
+const GROWING = "Growing the strokes; the very first time on a machine takes some seconds more";
 const SMALLEST = 1, LARGEST = 400; // [pixel of the picture] diameter of the brush
 const DEEPEST = 32; // zoom
 
@@ -41,11 +42,15 @@ async function grow() {
     return;
   }
   growing = true;
+  const before = at("status").textContent;
+  const slow = setTimeout(() => say(GROWING), 1500);
   do {
     growAgain = false;
-    await trying(() => growOnce(open));
+    if (open) await trying(() => growOnce(open));
   } while (growAgain);
   growing = false;
+  clearTimeout(slow);
+  if (at("status").textContent === GROWING) say(before);
 }
 
 async function growOnce(picture) {
@@ -164,15 +169,9 @@ function draw() {
 
 function drawBrush(ratio) {
   if (!pointer || drag || spaceDown) return;
+  const label = stroke ? stroke.label : BRUSHES[brush];
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  const radius = Math.max(2, zoom * size() / 2), label = stroke ? stroke.label : BRUSHES[brush];
-  for (const [width, colour] of [[3.5, "#000a"], [1.5, ["#fff", "#ffc04d", "#8fd0ff"][label]]]) {
-    context.beginPath();
-    context.arc(pointer[0], pointer[1], radius, 0, 2 * Math.PI);
-    context.lineWidth = width;
-    context.strokeStyle = colour;
-    context.stroke();
-  }
+  ring(context, pointer, Math.max(2, zoom * size() / 2), ["#fff", "#ffc04d", "#8fd0ff"][label]);
 }
 
 function showList() {
@@ -224,13 +223,8 @@ function size() {
 }
 
 function choose(name) {
-  brush = name;
-  showButtons();
-  redraw();
-}
-
-function look(name) {
-  view = name;
+  if (name in BRUSHES) brush = name;
+  else view = name;
   showButtons();
   redraw();
 }
@@ -338,7 +332,7 @@ canvas.addEventListener("wheel", event => {
 // Buttons and keys.
 
 for (const name in BRUSHES) at(name).onclick = () => choose(name);
-for (const name of VIEWS) at(name).onclick = () => look(name);
+for (const name of VIEWS) at(name).onclick = () => choose(name);
 at("size").oninput = () => (showButtons(), redraw());
 at("undo").onclick = () => open && !stroke && changed(open.painting.undo());
 at("redo").onclick = () => open && !stroke && changed(open.painting.redo());
@@ -353,7 +347,7 @@ at("next").onclick = () => go(current + 1);
 
 const KEYS = {
   s: () => choose("sky"), g: () => choose("ground"), e: () => choose("erase"),
-  m: () => look(VIEWS[(VIEWS.indexOf(view) + 1) % VIEWS.length]),
+  m: () => choose(VIEWS[(VIEWS.indexOf(view) + 1) % VIEWS.length]),
   "[": () => resize(-3), "]": () => resize(3), "+": () => zoomBy(1.25), "=": () => zoomBy(1.25), "-": () => zoomBy(1 / 1.25),
   0: () => at("fit").click(), n: () => go(current + 1), p: () => go(current - 1), "?": () => at("help").click(),
 };

@@ -111,3 +111,14 @@ export class Layer {
     this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
   }
 }
+
+// A circle that is seen on dark and on bright.
+export function ring(context, [x, y], radius, colour) {
+  for (const [width, style] of [[3.5, "#000a"], [1.5, colour]]) {
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.lineWidth = width;
+    context.strokeStyle = style;
+    context.stroke();
+  }
+}
