@@ -6,8 +6,10 @@ from typing import Annotated
 import typer
 
 from insectnav.checks import InputError
+from insectnav.cli.align_command import align
 from insectnav.cli.experiment_commands import RunInterruptedError, list_experiments, report, run
 from insectnav.cli.home_command import home
+from insectnav.cli.label_command import label
 from insectnav.cli.render_command import render
 
 INTERRUPTED = 130  # exit code, as of shells
@@ -40,6 +42,8 @@ app.command("list")(list_experiments)
 app.command()(run)
 app.command()(report)
 app.command()(render)
+app.command()(label)
+app.command()(align)
 
 
 def run_command(figure: object = None) -> int:
