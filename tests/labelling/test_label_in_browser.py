@@ -112,8 +112,8 @@ def test_painted_mask_is_seen_and_saved(page: tuple):
     until(lambda: shown_share(browser) == 100.0, PATIENCE)
     click(browser, "ground")
     paint(browser, GROUND_LINE)
-    until(lambda: shown_share(browser) < 99.0, PATIENCE)
-    assert shown_share(browser) == pytest.approx(100.0 * is_sky().mean(), abs=0.06)
+    expected = pytest.approx(100.0 * is_sky().mean(), abs=0.06)
+    until(lambda: shown_share(browser) == expected, PATIENCE)  # the mask follows the stroke while it is painted
     blue = browser.execute_script(TINTED, *on_screen(browser, 0.5, 0.3))
     brown = browser.execute_script(TINTED, *on_screen(browser, 0.5, 0.7))
     assert blue[2] > blue[0] + 40
