@@ -10,7 +10,7 @@ from insectnav.checks import InputError
 from insectnav.worlds.world import World
 
 N_RAYS = 33
-INSIDE = 0.75  # share of rays that cross an odd number of triangles; measured: houses 0.8 to 1, under trees below 0.5
+INSIDE = 0.7  # share of rays that cross an odd number of triangles; measured: houses 0.73 to 1, under trees below 0.5
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 
@@ -26,7 +26,7 @@ def check_outside_solids(world: World, position: Floats, is_suspect: npt.NDArray
     Raises
     ------
     InputError
-        If three in four of 33 upward rays meet an odd number of triangles.
+        If seven in ten of 33 upward rays meet an odd number of triangles.
 
     Notes
     -----
