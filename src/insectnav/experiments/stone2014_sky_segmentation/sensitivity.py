@@ -98,12 +98,15 @@ def draw(results: Results) -> Figure:
     places = np.arange(len(VARIATIONS))
     for i, name in enumerate(NAMES):
         right = results["accuracy"][:, :, i]
-        style: dict[str, Any] = {"color": COLOURS[SHOWN[name]], "marker": "o", "markersize": 3.0, "linewidth": 0.5}
+        style: dict[str, Any] = {"color": COLOURS[SHOWN[name]], "marker": "o", "markersize": 3.5, "linestyle": ""}
         for axes, values in zip(panels, (right.mean(axis=0), right.std(axis=0, ddof=1)), strict=True):
             axes.axvline(values[0], color=style["color"], linewidth=0.5, linestyle=":")
             axes.plot(values, places, label=name, **style)
     panels[0].set_yticks(places, [variation.name for variation in VARIATIONS])
     panels[0].invert_yaxis()
+    for axes in panels:
+        axes.grid(axis="y", color="0.9", linewidth=0.5)
+        axes.set_axisbelow(True)
     panels[0].set_xlabel("mean over scenes (%)")
     panels[1].set_xlabel("standard deviation over scenes (%)")
     name_panel(panels[0], "a", "labelled right")
