@@ -34,7 +34,7 @@ METHODS = (
 )  # fmt: skip
 GRID = {
     "blue_weight": (0.0, 1.0, 2.0),
-    "yellow_weight": (1.0, 2.0, 4.0, 7.0, 10.0, 14.0),
+    "yellow_weight": (2.0, 4.0, 7.0, 10.0, 14.0),
     "texture_weight": (1.0, 3.0, 5.0, 7.0),
     "edge_texture_share": (0.0, 0.25, 0.5),
     "highest": (1.0, 1.2, 2.0),
