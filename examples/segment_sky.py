@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Cutting out the sky
 #
-# A street and a forest trail under scattered clouds, in colour and at 350 nm. They are rendered, so that no photograph is
-# needed and the sky is known exactly. Surfaces carry their texture, windows mirror the sky, shadows are not drawn. Numbers
-# for real photographs are in docs/sky-segmentation.md.
+# A street and a forest trail under scattered clouds, in colour and at 350 nm. They are rendered, so that no photograph
+# is needed and the sky is known exactly. Surfaces carry their texture, windows mirror the sky, shadows are not drawn.
+# Numbers for real photographs are in docs/sky-segmentation.md.
 #
 #     python examples/segment_sky.py [FOLDER]
 #
