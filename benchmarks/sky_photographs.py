@@ -33,10 +33,10 @@ METHODS = (
     ("gmm", "blue"), ("gmm", "rgb"), ("gmm", "lab-ab"),
 )  # fmt: skip
 GRID = {
-    "blue_weight": (0.0, 1.0, 2.0),
+    "blue_weight": (0.0, 1.0),
     "yellow_weight": (0.0, 2.0, 4.0, 7.0, 10.0),
     "texture_weight": (3.0, 5.0, 7.0),
-    "edge_texture_share": (0.0, 0.25, 0.5),
+    "edge_texture_share": (0.0, 0.25),
 }
 CASTS = (-0.03, 0.0, 0.03)  # errors of the white balance: red is raised and blue lowered by this share
 
@@ -161,19 +161,28 @@ def merit(scores: np.ndarray) -> float:
 
 
 def choose() -> None:
-    for number, (one, base) in enumerate(zip(_loaded(), (AHEAD, UP), strict=True)):
+    bases = AHEAD, UP
+    for number, (one, base) in enumerate(zip(_loaded(), bases, strict=True)):
         tried = candidates(base)
         with ProcessPoolExecutor(2) as pool:
-            results = list(pool.map(scores_of, [number] * len(tried), tried, chunksize=4))
+            results = np.array(list(pool.map(scores_of, [number] * len(tried), tried, chunksize=4)))
         ours = tried.index(base)
-        for first, name in enumerate(("even", "odd")):
-            seen, others = slice(first, None, 2), slice(1 - first, None, 2)
-            order = sorted(range(len(tried)), key=lambda k: -merit(results[k][:, seen]))
-            for label, k in (("best", order[0]), (f"ours, rank {order.index(ours) + 1} of {len(tried)}", ours)):
-                weights = [getattr(tried[k], weight) for weight in ("blue_weight", "yellow_weight", "texture_weight",
-                                                                    "edge_texture_weight")]  # fmt: skip
-                print(f"{one.name}, chosen on {name}: {label:24s} {weights}  {told(results[k], seen)}; others: "
-                      f"{told(results[k], others)}", flush=True)  # fmt: skip
+        halves = {"even": (slice(0, None, 2), slice(1, None, 2)), "odd": (slice(1, None, 2), slice(0, None, 2))}
+        for name, (seen, others) in halves.items():
+            merits = np.array([merit(scores[:, seen]) for scores in results])
+            best, rank = int(np.argmax(merits)), int((merits > merits[ours]).sum()) + 1
+            for label, k in (("best", best), (f"ours, rank {rank} of {len(tried)}", ours)):
+                print(f"{one.name}, chosen on {name}: {label}, {weights(tried[k])}")
+                print(f"    {name}: {told(results[k], seen)}; others: {told(results[k], others)}", flush=True)
+        best = tried[int(np.argmax([merit(scores) for scores in results]))]
+        moved = replace(bases[1 - number], **weights(best))
+        print(f"{one.name}, chosen on all of it: {weights(best)}")
+        print(f"    the other set: {told(scores_of(1 - number, moved), slice(None))}", flush=True)
+
+
+def weights(params: SkylightParams) -> dict[str, float]:
+    names = ("blue_weight", "yellow_weight", "texture_weight", "edge_texture_weight")
+    return {name: getattr(params, name) for name in names}
 
 
 def told(scores: np.ndarray, part: slice) -> str:
