@@ -11,6 +11,7 @@ from insectnav.cli.experiment_commands import RunInterruptedError, list_experime
 from insectnav.cli.home_command import home
 from insectnav.cli.label_command import label
 from insectnav.cli.render_command import render
+from insectnav.cli.segment_command import segment
 
 INTERRUPTED = 130  # exit code, as of shells
 
@@ -38,6 +39,7 @@ def _commands(
 
 
 app.command()(home)
+app.command()(segment)
 app.command("list")(list_experiments)
 app.command()(run)
 app.command()(report)
