@@ -1,12 +1,14 @@
 """Sky in photographs: real ones with their floor, and made ones that brightness alone gets wrong."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from insectnav.checks import InputError
 from insectnav.metrics.segmentation import accuracy, intersection_over_union
 from insectnav.vision.sky_segmentation import segment
-from insectnav.vision.skylight import SkylightParams
+from insectnav.vision.skylight import AHEAD
 from sky_scenes import DATA, disk, hills, photographs
 
 SETS = {  # ending of the masks, view, and the least mean accuracy, mean IoU and worst accuracy
@@ -98,6 +100,6 @@ def test_picture_without_colour_may_be_used():
 
 def test_constants_out_of_range_are_refused():
     with pytest.raises(InputError, match="texture_weight"):
-        SkylightParams(texture_weight=-1.0)
+        replace(AHEAD, texture_weight=-1.0)
     with pytest.raises(InputError, match="working_side"):
-        SkylightParams(working_side=3)
+        replace(AHEAD, working_side=3)

@@ -111,14 +111,20 @@ def persistent_valley(heights, order, parent, peak):
 
 
 @kernel
-def sky_cues(bands, scale, blue_weight, yellow_weight, brightness, raw):
-    """Mean of red, green, blue, and blue with a bonus for blueness and a penalty for yellowness; white becomes 1."""
+def sky_cues(bands, scale, blue_weight, yellow_weight, tolerance, brightness, raw):
+    """Mean of red, green, blue, and blue with a bonus for blueness and a penalty for yellowness; white becomes 1.
+
+    Yellowness up to the tolerance has no penalty.
+    """
     third = np.float32(1.0 / 3.0)
     for i in range(bands.shape[0]):
         red, green, blue = scale * bands[i, 0], scale * bands[i, 1], scale * bands[i, 2]
         blueness = blue - red
         brightness[i] = third * (red + green + blue)
-        raw[i] = blue + (blue_weight if blueness > 0.0 else yellow_weight) * blueness
+        if blueness > 0.0:
+            raw[i] = blue + blue_weight * blueness
+        else:
+            raw[i] = blue + yellow_weight * min(blueness + tolerance, np.float32(0.0))
 
 
 @kernel

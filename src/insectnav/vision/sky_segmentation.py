@@ -31,7 +31,7 @@ from insectnav.vision.sky_confidence import chance_of_being_higher, confidence
 from insectnav.vision.sky_geometry import MIN_PIXELS, Bools, Geometry, geometry
 from insectnav.vision.sky_histogram_kernel import split
 from insectnav.vision.sky_thresholds import Histogram, histogram, otsu, watershed_islands, watershed_merge
-from insectnav.vision.skylight import SKYLIGHT, SkylightParams, skylight
+from insectnav.vision.skylight import SkylightParams, skylight
 
 Thresholder = Callable[[Histogram], "float | None"]
 Clusterer = Callable[[NDArray[np.float32], int], tuple[NDArray[np.float32], float]]
@@ -89,7 +89,7 @@ def segment(
     threshold: float | None = None,
     leave_out_flare: bool = False,
     seed: int = 0,
-    params: SkylightParams = SKYLIGHT,
+    params: SkylightParams | None = None,
 ) -> SkyMask:
     """Mask of the sky in one picture.
 
@@ -109,7 +109,7 @@ def segment(
     threshold : of "fixed", in the unit of the picture
     leave_out_flare : leave out pixels as bright as the brightest, and a margin about them
     seed : of kmeans and gmm
-    params : of skylight
+    params : of skylight; None for those of the view, `skylight.AHEAD` or `skylight.UP`
 
     Raises
     ------
@@ -188,7 +188,7 @@ def _by_clusters(picture: Picture, method: str, channels: str, where: Geometry, 
     )
 
 
-def _by_skylight(picture: Picture, channels: str, where: Geometry, params: SkylightParams) -> SkyMask:
+def _by_skylight(picture: Picture, channels: str, where: Geometry, params: SkylightParams | None) -> SkyMask:
     if channels in ("lab-ab", "uv-green"):
         raise InputError(f"skylight takes rgb or one channel, but channels are {channels}")
     chosen = picture if channels == "rgb" else one_channel(picture, channels)
