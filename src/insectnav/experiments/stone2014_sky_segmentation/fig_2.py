@@ -112,7 +112,9 @@ def draw(results: Results) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(DOUBLE_COLUMN, 3.8), layout="constrained")
-    for part, (cell, arrays) in zip(figure.subfigures(1, len(results.cells)), results, strict=True):
+    for letters, part, (cell, arrays) in zip(
+        ("abc", "def"), figure.subfigures(1, len(results.cells)), results, strict=True
+    ):
         part.suptitle(cell.scene, fontsize=7.0)
         for row, light in enumerate(LIGHTS):
             is_solid = light == "visible"
@@ -121,7 +123,7 @@ def draw(results: Results) -> Figure:
             _draw_picture(panels[0], arrays, light)
             (_draw_solid if is_solid else _draw_plane)(space, arrays, light)
             panels[1].imshow(label_picture(arrays["labels"][row], arrays["sky"]))
-            name_panel(panels[0], "abc"[row], LIGHT_NAMES[light])
+            name_panel(panels[0], letters[row], LIGHT_NAMES[light])
             panels[1].set_title(f"{arrays['accuracy'][row]:.1f} %", loc="right", fontsize=6.0)
             for axes in panels:
                 axes.axis("off")
@@ -175,10 +177,10 @@ def caption(results: Results) -> str:
     size = FullSpectrum(reduction=results.cells[0].reduction).camera.size
     return (
         f"Rendered scenes ({size[1]} × {size[0]} pixels), no photographs. Left: visible light (a), ultraviolet shown "
-        f"blue with green (b), ultraviolet (c). Middle: {N_PIXELS} pixels drawn at random in their space of colours, "
-        "as shares of saturation; blue were labelled sky by k-means, red ground, crosses are wrong. Ultraviolet alone "
-        "is spread sideways at random. Right: labels; white and black are right, blue is ground taken for sky, red is "
-        "sky taken for ground, with the share labelled right."
+        f"blue with green (b, e), ultraviolet (c, f). Middle: {N_PIXELS} pixels drawn at random in their space of "
+        "colours, as shares of saturation; blue were labelled sky by k-means, red ground, crosses are wrong. "
+        "Ultraviolet alone is spread sideways at random. Right: labels; white and black are right, blue is ground "
+        "taken for sky, red is sky taken for ground, with the share labelled right."
     )
 
 
