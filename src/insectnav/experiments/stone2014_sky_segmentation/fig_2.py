@@ -176,9 +176,9 @@ def caption(results: Results) -> str:
     """What is shown."""
     size = FullSpectrum(reduction=results.cells[0].reduction).camera.size
     return (
-        f"Rendered scenes ({size[1]} × {size[0]} pixels), no photographs. Left: visible light (a), ultraviolet shown "
-        f"blue with green (b, e), ultraviolet (c, f). Middle: {N_PIXELS} pixels drawn at random in their space of "
-        "colours, as shares of saturation; blue were labelled sky by k-means, red ground, crosses are wrong. "
+        f"Rendered scenes ({size[1]} × {size[0]} pixels), no photographs. Left: visible light (a, d), ultraviolet "
+        f"shown blue with green (b, e), ultraviolet (c, f). Middle: {N_PIXELS} pixels drawn at random in their space "
+        "of colours, as shares of saturation; blue were labelled sky by k-means, red ground, crosses are wrong. "
         "Ultraviolet alone is spread sideways at random. Right: labels; white and black are right, blue is ground "
         "taken for sky, red is sky taken for ground, with the share labelled right."
     )
