@@ -156,7 +156,7 @@ def caption(results: Results) -> str:
         used = f"{cell.n_images} photographs" if cell.n_images else missing
         parts.append(f"{cell.photographs}, {SETS[cell.photographs].about}: {used}")
     return (
-        f"Real photographs, visible light alone: nobody has published such a set in ultraviolet. {'; '.join(parts)}. "
+        f"Real photographs, visible light alone: no such set in ultraviolet is known to us. {'; '.join(parts)}. "
         "Share of the labelled pixels that each method labels right, a dot for each photograph; bars are means, "
         "whiskers one standard deviation."
     )
