@@ -42,7 +42,8 @@ def turn_matrix(
         of NaN stands for one that is missing.
     normalise : bool
         Takes the mean off each view and divides by its standard deviation first, which takes out brightness and
-        contrast. Without it the difference of two skies of bits is the square root of the share that differs.
+        contrast; a constant view then differs by sqrt(2) from all, as one without any likeness. Without it the
+        difference of two skies of bits is the square root of the share that differs.
     workers : threads; they change nothing in the results
 
     Returns
@@ -71,7 +72,9 @@ def turn_matrix(
         )
     columns = reference.shape[-1]
     spectrum = np.ascontiguousarray(np.conj(np.fft.rfft(reference)).transpose(2, 1, 0))  # (frequency, row, reference)
-    power = np.einsum("nrc,nrc->n", reference, reference)
+    # Normalised views have the power of their pixels, also constant ones, which so resemble none rather than all.
+    n_pixels = float(reference.shape[1] * columns)
+    power = np.full(len(reference), n_pixels) if normalise else np.einsum("nrc,nrc->n", reference, reference)
     square, best = np.empty((len(query), len(reference))), np.empty((len(query), len(reference)), np.int64)
 
     def run(first: int, last: int) -> None:
@@ -79,12 +82,12 @@ def turn_matrix(
         waves = np.fft.rfft(views).transpose(2, 0, 1) @ spectrum
         correlation = np.fft.irfft(np.ascontiguousarray(waves.transpose(1, 2, 0)), columns)
         best[first:last] = correlation.argmax(axis=-1)
-        both = np.einsum("nrc,nrc->n", views, views)[:, None] + power
+        both = power + (n_pixels if normalise else np.einsum("nrc,nrc->n", views, views)[:, None])
         square[first:last] = both - 2.0 * np.take_along_axis(correlation, best[first:last, :, None], axis=-1)[..., 0]
 
     size = max(1, CORRELATIONS_PER_BLOCK // (len(reference) * columns))
     run_blocks(run, len(query), size, workers)
-    difference = np.sqrt(np.maximum(square, 0.0) / (reference.shape[1] * columns))
+    difference = np.sqrt(np.maximum(square, 0.0) / n_pixels)
     difference[is_missing_query] = np.nan
     difference[:, is_missing_reference] = np.nan
     return TurnMatrix(difference.T, wrap(best * (2.0 * np.pi / columns)).T)

@@ -13,6 +13,7 @@ Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
 BASELINES = ("bound", "observed")
 QUERIES_PER_BLOCK = 64
+ROUNDING = 1e-12  # [mean] standard deviation of a window of equal differences in double precision, at most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,6 +55,11 @@ class SeqSlamParams:
         speeds = self.slowest * n + np.arange(n_speeds)
         steps = np.floor(speeds[:, None] * np.arange(n + 1) / n + 1e-9).astype(np.int64)
         return np.unique(steps, axis=0)
+
+    @property
+    def flat(self) -> float:
+        """Standard deviation at which a window has no contrast, as a share of its mean; above rounding."""
+        return max(self.least_contrast, ROUNDING)
 
     @property
     def bound(self) -> float:
@@ -205,9 +211,7 @@ def _enhance(rows: Reals, params: SeqSlamParams, out: Reals, is_seen: NDArray[np
 
     def run(first: int, last: int) -> None:
         block = slice(first, last)
-        least.append(
-            enhance_rows(rows[block], params.contrast_window // 2, params.least_contrast, out[block], is_seen[block])
-        )
+        least.append(enhance_rows(rows[block], params.contrast_window // 2, params.flat, out[block], is_seen[block]))
 
     run_blocks(run, len(rows), QUERIES_PER_BLOCK, workers)
     return min(least)
@@ -222,7 +226,7 @@ def _least_contrast(rows: Reals, params: SeqSlamParams, workers: int | None) -> 
     def run(first: int, last: int) -> None:
         block = rows[first:last]
         out, is_seen = np.empty(block.shape), np.empty(len(block), bool)
-        least.append(enhance_rows(block, params.contrast_window // 2, params.least_contrast, out, is_seen))
+        least.append(enhance_rows(block, params.contrast_window // 2, params.flat, out, is_seen))
 
     run_blocks(run, len(rows), QUERIES_PER_BLOCK, workers)
     return min(least)
@@ -234,6 +238,6 @@ def _search(rows: Reals, params: SeqSlamParams, baseline: float, found: tuple[An
 
     block = rows[first : last + params.n_steps]
     contrast, is_seen = np.empty(block.shape), np.empty(len(block), bool)
-    enhance_rows(block, params.contrast_window // 2, params.least_contrast, contrast, is_seen)
+    enhance_rows(block, params.contrast_window // 2, params.flat, contrast, is_seen)
     start, score, speed = (array[first:last] for array in found)
     search_sequences(contrast, is_seen, params.offsets, params.unique_window // 2, baseline, start, score, speed)

@@ -112,7 +112,7 @@ def locate_next(stream: Stream, descriptor: ArrayLike | None, time: float | None
     params, half = stream.params, stream.params.n_steps // 2
     column = _column(stream.references, descriptor)
     contrast, is_seen = np.empty(column.shape), np.empty(1, bool)
-    enhance_rows(column, params.contrast_window // 2, params.least_contrast, contrast, is_seen)
+    enhance_rows(column, params.contrast_window // 2, params.flat, contrast, is_seen)
     after = replace(
         stream,
         contrast=np.concatenate([stream.contrast[1:], contrast]),
