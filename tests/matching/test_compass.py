@@ -3,12 +3,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from real_routes import sussex
 
 from insectnav.checks import InputError
 from insectnav.matching import disk_turn_matrix, nearest_view, seqslam, turn_matrix, turns_of_matches
 from insectnav.metrics.retrieval import position_error
 from insectnav.vision.descriptors import wrap_to_disk
+from real_routes import sussex
 
 RNG = np.random.default_rng(0)
 VIEWS = RNG.random((6, 9, 36))

@@ -46,7 +46,6 @@ def test_a_tight_allowance_for_speed_loses_other_speeds():
     queries, place = drive(1.4)
     strict, lenient = locate(index, queries), locate(INDEX, queries)
     assert (np.abs(strict.reference - place) <= 2).mean() < (np.abs(lenient.reference - place) <= 2).mean() - 0.2
-    assert np.nanmedian(strict.score) > np.nanmedian(lenient.score)
 
 
 def test_another_route_is_not_recognised():

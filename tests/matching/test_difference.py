@@ -141,5 +141,5 @@ def test_bad_input_is_refused_in_a_sentence(references, queries, metric, sentenc
 def test_a_descriptor_that_is_bad_in_part_is_named(value):
     queries = REAL[1].copy()
     queries[8, 3] = value
-    with pytest.raises(InputError, match="^the descriptor of frame 8 of the queries is NaN or infinite in part"):
+    with pytest.raises(InputError, match=r"^the descriptor of frame 8 of the queries is NaN or infinite in part"):
         difference_matrix(REAL[0], queries)

@@ -4,10 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import seqslam_oracle
 from numpy.testing import assert_allclose, assert_array_equal
-from real_routes import nordland
 
+import seqslam_oracle
 from insectnav.matching import OPENSEQSLAM_V1, SeqSlamParams, difference_matrix, seqslam
 from insectnav.metrics.retrieval import (
     area_under_curve,
@@ -17,6 +16,7 @@ from insectnav.metrics.retrieval import (
     right_matches,
 )
 from insectnav.vision.descriptors import patch_normalised
+from real_routes import nordland
 
 pytestmark = pytest.mark.data
 

@@ -2,11 +2,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import seqslam_oracle
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
+import seqslam_oracle
 from insectnav.checks import InputError
 from insectnav.matching import OPENSEQSLAM_V1, SeqSlamParams, difference_matrix, enhance_contrast, seqslam
 

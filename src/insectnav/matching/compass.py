@@ -133,13 +133,12 @@ def disk_turn_matrix(
     right, up = (axis.ravel() for axis in np.meshgrid(place, -place))
     is_inside = np.hypot(right, up) <= 1.0
     right, up, n_inside = right[is_inside], up[is_inside], float(is_inside.sum())
-    words = _packed(reference.reshape(len(reference), -1)[:, is_inside])
+    words, pixels = _packed(reference.reshape(len(reference), -1)[:, is_inside]), query.reshape(len(query), -1)
     difference, turn = np.full((len(query), len(reference)), np.inf), np.zeros((len(query), len(reference)))
     share = np.empty((len(query), len(reference)))
     for k in range(n_turns):
         angle = 2.0 * np.pi * k / n_turns
-        row, column = _turned_pixels(right, up, angle, size)
-        turned = _packed(query[:, row, column])
+        turned = _packed(np.take(pixels, _turned_pixels(right, up, angle, size), axis=1))
 
         def count(first: int, last: int, turned: NDArray[np.uint64] = turned) -> None:
             count_unequal_bits(turned, words, first, last, n_inside, share)
@@ -241,12 +240,12 @@ def _checked_disks(name: str, skies: ArrayLike) -> NDArray[np.bool_]:
     return array.astype(bool)
 
 
-def _turned_pixels(right: Reals, up: Reals, angle: float, size: int) -> tuple[Integers, Integers]:
-    """Row and column of the pixel that comes to lie at each place when the eye turns to the right."""
-    # What lies at azimuth a + angle comes to lie at a. Rounded, so that quarter turns go from centre to centre.
+def _turned_pixels(right: Reals, up: Reals, angle: float, size: int) -> Integers:
+    """The pixel, in a flat image, that comes to lie at each place when the eye turns to the right."""
+    # What lies at azimuth a + angle comes to lie at a. A little more, so that quarter turns go from centre to centre.
     along = right * np.cos(angle) + up * np.sin(angle), right * np.sin(angle) - up * np.cos(angle)
-    column, row = (np.floor(np.round((axis + 1.0) * size / 2.0, 9)).astype(np.int64) for axis in along)
-    return np.clip(row, 0, size - 1), np.clip(column, 0, size - 1)
+    column, row = (((axis + 1.0) * (size / 2.0) + 1e-9).astype(np.int64) for axis in along)
+    return np.asarray(np.minimum(row, size - 1) * size + np.minimum(column, size - 1))
 
 
 def _packed(bits: NDArray[np.bool_]) -> NDArray[np.uint64]:

@@ -13,7 +13,7 @@ from insectnav.matching.blocks import run_blocks
 Reals = NDArray[np.floating[Any]]
 METRICS = ("cosine", "euclidean", "absolute", "hamming", "openseqslam-v1")
 QUERIES_PER_BLOCK = 64
-PRODUCTS_PER_BLOCK = 2**21  # 16 MiB in double precision
+PRODUCTS_AT_ONCE = 2**21  # 16 MiB in double precision
 FEW_FEATURES = 512  # to which products are in double precision: short vectors are often nearly the same
 NEAR = {4: 1e-2, 8: 1e-9}  # of both squares, by bytes of a number: nearer pairs are computed from the vectors
 
@@ -215,16 +215,23 @@ def _by_product(references: References, query: NDArray[Any], workers: int | None
         power = np.concatenate([np.einsum("ij,ij->i", v, v, dtype=np.float64) for v in (query, reference)])
     n_rows, least = query.shape[1] // LANES, NEAR[reference.itemsize]
 
-    def run(first: int, last: int) -> None:
-        product = query[first:last] @ reference.T
-        finish_products(query, reference, n_rows, power, least, first, last, product, out)
-        rows = out[first:last]
-        if is_cosine:
-            rows *= 0.5  # |a − b|² = 2 − 2 a·b of unit vectors
-        else:
-            np.sqrt(rows, out=rows)
+    size = max(QUERIES_PER_BLOCK, PRODUCTS_AT_ONCE // len(reference))
+    for start in range(0, len(query), size):
+        product = (
+            query[start : start + size] @ reference.T
+        )  # not in our threads: the library's would wait for each other
 
-    run_blocks(run, len(query), max(QUERIES_PER_BLOCK, PRODUCTS_PER_BLOCK // len(reference)), workers)
+        def run(first: int, last: int, start: int = start, product: Reals = product) -> None:
+            rows = out[start + first : start + last]
+            finish_products(
+                query, reference, n_rows, power, least, start + first, start + last, product[first:last], out
+            )
+            if is_cosine:
+                rows *= 0.5  # |a − b|² = 2 − 2 a·b of unit vectors
+            else:
+                np.sqrt(rows, out=rows)
+
+        run_blocks(run, len(product), QUERIES_PER_BLOCK, workers)
 
 
 def _by_sum(references: References, query: NDArray[Any], workers: int | None, out: Reals) -> None:

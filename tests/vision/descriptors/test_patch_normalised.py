@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
-import seqslam_oracle
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from real_routes import nordland
 
+import seqslam_oracle
 from insectnav.checks import InputError
 from insectnav.vision.descriptors import DESCRIPTORS, patch_normalised
+from real_routes import nordland
 
 RNG = np.random.default_rng(0)
 IMAGES = RNG.integers(0, 256, (3, 32, 64), np.uint8)
