@@ -39,6 +39,13 @@ def look(turn_deg=0.0, tilt_deg=0.0, aside=0.0):
     return render(city, eye, turn, tilt, camera=panorama(3.0), layers=("green", "sky"), supersampling=2)
 
 
+def seconds(describe, views):
+    """Seconds of processors that it takes to describe the views."""
+    started = time.process_time()
+    describe(views)
+    return time.process_time() - started
+
+
 tilts = [10, 20, 30]
 changes = {"turn of 90°": (90.0, 0.0), "turn of 37°": (37.0, 0.0), "1 m aside": (0.0, 0.0, 1.0)}
 changes |= {f"tilt of {tilt}°": (0.0, tilt) for tilt in tilts}
@@ -49,9 +56,7 @@ found, cost, size = {}, {}, {}
 for name, describe in DESCRIPTORS.items():
     layer = "green" if name in GREY else "sky"
     remembered = describe(level[layer])
-    started = time.process_time()
-    describe(level[layer])
-    cost[name] = 1e3 * (time.process_time() - started) / len(place)
+    cost[name] = 1e3 * min(seconds(describe, level[layer]) for _ in range(5)) / len(place)
     size[name] = remembered.shape[-1]
     found[name] = [
         np.mean(difference_matrix(remembered, describe(views[layer]), describe.metric).argmin(axis=0) == range(30))
@@ -86,7 +91,9 @@ with journal_style():
                 fontsize=6,
                 color="black" if share > 0.5 else "white",
             )
-    middle.set_xticks(range(len(changes)), [name.replace(" of ", "\n").replace(" ", "\n", 1) for name in changes])
+    middle.set_xticks(
+        range(len(changes)), [name.replace(" of ", "\n").replace(" aside", "\naside") for name in changes]
+    )
     name_panel(middle, "b", "found again (%)")
     right.barh(row, list(size.values()), color=colours, height=0.6)
     right.set(xscale="log", xlabel="features")

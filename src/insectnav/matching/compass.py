@@ -71,26 +71,37 @@ def turn_matrix(
             "same: one camera, one resolution?"
         )
     columns = reference.shape[-1]
+    square, best = _best_turns(reference, query, normalise, workers)
+    difference = np.sqrt(np.maximum(square, 0.0) / (reference.shape[1] * columns))
+    difference[is_missing_query] = np.nan
+    difference[:, is_missing_reference] = np.nan
+    return TurnMatrix(difference.T, wrap(best * (2.0 * np.pi / columns)).T)
+
+
+def _best_turns(
+    reference: NDArray[np.float64], query: NDArray[np.float64], is_normal: bool, workers: int | None
+) -> tuple[Reals, Integers]:
+    """Sum of squared differences after the best turn, and that turn in columns, (query, reference) each."""
+    columns = reference.shape[-1]
     spectrum = np.ascontiguousarray(np.conj(np.fft.rfft(reference)).transpose(2, 1, 0))  # (frequency, row, reference)
-    # Normalised views have the power of their pixels, also constant ones, which so resemble none rather than all.
-    n_pixels = float(reference.shape[1] * columns)
-    power = np.full(len(reference), n_pixels) if normalise else np.einsum("nrc,nrc->n", reference, reference)
+
+    def power(views: NDArray[np.float64]) -> Reals:
+        # Normal views have the power of their pixels, also constant ones, which so resemble none rather than all.
+        return np.full(len(views), float(views[0].size)) if is_normal else np.einsum("nrc,nrc->n", views, views)
+
+    reference_power = power(reference)
     square, best = np.empty((len(query), len(reference))), np.empty((len(query), len(reference)), np.int64)
 
     def run(first: int, last: int) -> None:
         views = query[first:last]
         waves = np.fft.rfft(views).transpose(2, 0, 1) @ spectrum
         correlation = np.fft.irfft(np.ascontiguousarray(waves.transpose(1, 2, 0)), columns)
-        best[first:last] = correlation.argmax(axis=-1)
-        both = power + (n_pixels if normalise else np.einsum("nrc,nrc->n", views, views)[:, None])
-        square[first:last] = both - 2.0 * np.take_along_axis(correlation, best[first:last, :, None], axis=-1)[..., 0]
+        turn = correlation.argmax(axis=-1)
+        highest = np.take_along_axis(correlation, turn[..., None], axis=-1)[..., 0]
+        square[first:last], best[first:last] = power(views)[:, None] + reference_power - 2.0 * highest, turn
 
-    size = max(1, CORRELATIONS_PER_BLOCK // (len(reference) * columns))
-    run_blocks(run, len(query), size, workers)
-    difference = np.sqrt(np.maximum(square, 0.0) / n_pixels)
-    difference[is_missing_query] = np.nan
-    difference[:, is_missing_reference] = np.nan
-    return TurnMatrix(difference.T, wrap(best * (2.0 * np.pi / columns)).T)
+    run_blocks(run, len(query), max(1, CORRELATIONS_PER_BLOCK // (len(reference) * columns)), workers)
+    return square, best
 
 
 def disk_turn_matrix(
@@ -122,12 +133,20 @@ def disk_turn_matrix(
     Stone, Mangan, Ardin & Webb, RSS 2014, section II-F: the sum of the exclusive or of both images at each rotation;
     images are turned by taking the nearest pixel.
     """
-    from insectnav.matching.difference_kernel import count_unequal_bits
-
     check_count("n_turns", n_turns)
     reference, query = _checked_disks("references", references), _checked_disks("queries", queries)
     if reference.shape != (len(reference), *query.shape[1:]):
         raise InputError(f"references have shape {reference.shape} and queries {query.shape}, expected one size")
+    difference, turn = _best_disk_turns(reference, query, n_turns, workers)
+    return TurnMatrix(difference.T, wrap(turn).T)
+
+
+def _best_disk_turns(
+    reference: NDArray[np.bool_], query: NDArray[np.bool_], n_turns: int, workers: int | None
+) -> tuple[Reals, Reals]:
+    """Share of the disk that differs after the best turn, and that turn [rad], (query, reference) each."""
+    from insectnav.matching.difference_kernel import count_unequal_bits
+
     size = reference.shape[-1]
     place = (2.0 * np.arange(size) + 1.0) / size - 1.0
     right, up = (axis.ravel() for axis in np.meshgrid(place, -place))
@@ -146,7 +165,7 @@ def disk_turn_matrix(
         run_blocks(count, len(query), 16, workers)
         is_better = share < difference
         difference[is_better], turn[is_better] = share[is_better], angle
-    return TurnMatrix(difference.T, wrap(turn).T)
+    return difference, turn
 
 
 def nearest_view(turns: TurnMatrix) -> VisualCompass:

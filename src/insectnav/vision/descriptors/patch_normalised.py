@@ -55,8 +55,6 @@ def patch_normalised(
     Neubert & Protzel 2013), standard deviation over n − 1, halves rounded away from 0. There a patch without contrast,
     such as clear sky or snow, becomes 0 and lies 127 from all others, and so outweighs all that can be seen.
     """
-    from insectnav.vision.descriptors.patch_kernel import normalise_patches, normalise_patches_to_bytes
-
     check_count("patch_px", patch_px, minimum=2)
     check_range("flat_patch", flat_patch, 0, 255)
     array = as_views(views) if size is None else resize(views, size)
@@ -69,10 +67,16 @@ def patch_normalised(
     stack = np.ascontiguousarray(array.reshape(-1, rows, columns))
     if stack.dtype != np.uint8:  # one kernel for bytes, one for all else
         stack = stack.astype(np.float64)
+    return _deviations(stack, patch_px, rounded, flat_patch).reshape(*array.shape[:-2], rows * columns)
+
+
+def _deviations(stack: NDArray[Any], patch_px: int, rounded: bool, flat_patch: int) -> NDArray[Any]:
+    from insectnav.vision.descriptors.patch_kernel import normalise_patches, normalise_patches_to_bytes
+
     if rounded:
-        deviations = np.empty(stack.shape, np.uint8)
-        normalise_patches_to_bytes(stack, patch_px, flat_patch, deviations)
-    else:
-        deviations = np.empty(stack.shape, np.float32)
-        normalise_patches(stack, patch_px, deviations)
-    return deviations.reshape(*array.shape[:-2], rows * columns)
+        whole = np.empty(stack.shape, np.uint8)
+        normalise_patches_to_bytes(stack, patch_px, flat_patch, whole)
+        return whole
+    deviations = np.empty(stack.shape, np.float32)
+    normalise_patches(stack, patch_px, deviations)
+    return deviations
