@@ -4,6 +4,8 @@ After Milford & Wyeth 2012, doi 10.1109/ICRA.2012.6224623, in the form of OpenSe
 with; it shares nothing with the package.
 """
 
+from fractions import Fraction
+
 import numpy as np
 
 
@@ -47,16 +49,18 @@ def search(enhanced, sequence_length=10, window=10, slowest=0.8, fastest=1.2):
     n_references, n_queries = enhanced.shape
     ds = sequence_length // 2 * 2
     found = np.full((n_queries, 2), np.nan)
-    moves = range(round(slowest * ds), round(fastest * ds) + 1)
+    slow, fast = (Fraction(str(speed)) for speed in (slowest, fastest))
+    moves = [slow * ds + step for step in range(1000) if slow * ds + step <= fast * ds]
+    lines = [[int(move * k // ds) for k in range(ds + 1)] for move in moves]
     for query in range(ds // 2, n_queries - ds // 2):
         columns = query - ds // 2 + np.arange(ds + 1)
         score = np.empty(n_references)
         for start in range(n_references):
             least = np.inf
-            for move in moves:
+            for line in lines:
                 total = 0.0
                 for k in range(ds + 1):
-                    row = start + move * k // ds
+                    row = start + line[k]
                     total += enhanced[row, columns[k]] if row < n_references else np.inf
                 least = min(least, total)
             score[start] = least

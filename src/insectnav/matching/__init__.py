@@ -9,7 +9,7 @@ from insectnav.matching.compass import (
     turns_of_matches,
 )
 from insectnav.matching.constellations import ConstellationIndex, ConstellationParams, constellation_index, locate
-from insectnav.matching.difference import METRICS, difference_matrix
+from insectnav.matching.difference import METRICS, References, difference_matrix, prepare_references
 from insectnav.matching.seqslam import OPENSEQSLAM_V1, Matches, SeqSlamParams, enhance_contrast, seqslam
 from insectnav.matching.stream import Stream, StreamMatch, begin_stream, locate_next
 
@@ -19,6 +19,7 @@ __all__ = [
     "ConstellationIndex",
     "ConstellationParams",
     "Matches",
+    "References",
     "SeqSlamParams",
     "Stream",
     "StreamMatch",
@@ -32,6 +33,7 @@ __all__ = [
     "locate",
     "locate_next",
     "nearest_view",
+    "prepare_references",
     "seqslam",
     "turn_matrix",
     "turns_of_matches",

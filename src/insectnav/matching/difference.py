@@ -14,6 +14,7 @@ Reals = NDArray[np.floating[Any]]
 METRICS = ("cosine", "euclidean", "absolute", "hamming", "openseqslam-v1")
 QUERIES_PER_BLOCK = 64
 PRODUCTS_AT_ONCE = 2**21  # 16 MiB in double precision
+FEW_QUERIES = 4  # to which no product is made: on the move, its library's threads would cost more than they save
 FEW_FEATURES = 512  # to which products are in double precision: short vectors are often nearly the same
 NEAR = {4: 1e-2, 8: 1e-9}  # of both squares, by bytes of a number: nearer pairs are computed from the vectors
 
@@ -67,6 +68,7 @@ class References:
     metric : one of `METRICS`
     n_features : of the descriptors
     middle : (feature,) what is taken off each vector
+    has_length : (reference,) which vectors are not 0
     """
 
     vectors: NDArray[Any]
@@ -74,6 +76,7 @@ class References:
     metric: str
     n_features: int
     middle: Reals
+    has_length: NDArray[np.bool_]
 
     def differences(self, queries: ArrayLike, *, workers: int | None = None) -> Reals:
         """Difference of each reference and each query, (reference, query), as `difference_matrix` says."""
@@ -128,6 +131,7 @@ def prepare_references(references: ArrayLike, metric: str = "cosine") -> Referen
         metric=metric,
         n_features=n_features,
         middle=middle,
+        has_length=np.asarray(vectors.any(axis=1)),
     )
 
 
@@ -210,28 +214,30 @@ def _by_product(references: References, query: NDArray[Any], workers: int | None
 
     reference, is_cosine = references.vectors, references.metric == "cosine"
     if is_cosine:
-        power = np.ones(len(query) + len(reference))  # also of those without length, which so differ from all by 1
+        power = np.ones(len(query) + len(reference))
     else:
         power = np.concatenate([np.einsum("ij,ij->i", v, v, dtype=np.float64) for v in (query, reference)])
-    n_rows, least = query.shape[1] // LANES, NEAR[reference.itemsize]
-
+    n_rows, is_few = query.shape[1] // LANES, len(query) <= FEW_QUERIES
+    least = np.inf if is_few else NEAR[reference.itemsize]  # few: all pairs vector from vector
     size = max(QUERIES_PER_BLOCK, PRODUCTS_AT_ONCE // len(reference))
     for start in range(0, len(query), size):
-        product = (
-            query[start : start + size] @ reference.T
-        )  # not in our threads: the library's would wait for each other
+        if is_few:
+            product = np.zeros(out.shape, reference.dtype)
+        else:
+            product = query[start : start + size] @ reference.T  # not in threads of ours, which would hinder its own
 
         def run(first: int, last: int, start: int = start, product: Reals = product) -> None:
-            rows = out[start + first : start + last]
-            finish_products(
-                query, reference, n_rows, power, least, start + first, start + last, product[first:last], out
-            )
+            rows, piece = out[start + first : start + last], product[first:last]
+            finish_products(query, reference, n_rows, power, least, start + first, start + last, piece, out)
             if is_cosine:
                 rows *= 0.5  # |a − b|² = 2 − 2 a·b of unit vectors
             else:
                 np.sqrt(rows, out=rows)
 
-        run_blocks(run, len(product), QUERIES_PER_BLOCK, workers)
+        run_blocks(run, len(out[start : start + size]), QUERIES_PER_BLOCK, workers)
+    if is_cosine:
+        out[~query.any(axis=1)] = 1.0
+        out[:, ~references.has_length] = 1.0
 
 
 def _by_sum(references: References, query: NDArray[Any], workers: int | None, out: Reals) -> None:
