@@ -57,6 +57,17 @@ def test_v1_and_the_plain_way_give_the_same_matches(seasons, ds):
     )
 
 
+@pytest.mark.parametrize("ds", [10, 20])
+def test_images_to_matches_are_those_of_openseqslam(seasons, golden, ds):
+    stored = golden("openseqslam_v1_nordland_100_399")
+    patches = [describe(images[stored["frame"]], "v1") for images in seasons]
+    difference = difference_matrix(*patches, "openseqslam-v1")
+    assert_array_equal(difference, stored["difference"])
+    found, expected = seqslam(difference, replace(OPENSEQSLAM_V1, sequence_length=ds)), stored[f"matches_ds{ds}"]
+    assert_array_equal(np.where(found.reference < 0, np.nan, found.reference), expected[:, 0])
+    assert_allclose(found.score, expected[:, 1], rtol=0, atol=1e-12)
+
+
 @pytest.mark.parametrize(("every", "ds"), [(1, 10), (1, 20), (3, 10), (5, 10), (10, 10), (10, 20)])
 def test_the_default_is_better_than_v1(seasons, every, ds):
     summer, winter = (images[::every] for images in seasons)
