@@ -122,12 +122,24 @@ def score_starts(contrast: Array, first: int, offsets: Array, score: Array, tota
 
 
 @lane_function
+def is_any_greater(score: Array) -> bool:
+    """Whether any score that is not infinite is greater than the first."""
+    greatest = score[0]
+    for s in range(1, len(score)):
+        if score[s] < np.inf:
+            greatest = max(greatest, score[s])
+    return greatest > score[0]
+
+
+@lane_function
 def best_and_next(score: Array, half: int) -> tuple[int, float, float]:
-    """First of the best starts, its score, and the best of those farther from it than ``half``."""
+    """First of the best starts, its score, and the best of those farther from it than ``half``; −1 if all are equal."""
     best = 0
     for s in range(len(score)):
         if score[s] < score[best]:
             best = s
+    if best == 0 and not is_any_greater(score):
+        return -1, np.inf, np.inf
     second = np.inf
     for s in range(len(score)):
         if s < best - half or s > best + half:
@@ -178,6 +190,6 @@ def search_sequences(
         score_starts(contrast, i, offsets, sums, total)
         best, lowest, second = best_and_next(sums, half)
         second -= n_steps * baseline
-        if second > 0.0 and second < np.inf:
+        if best >= 0 and second > 0.0 and second < np.inf:
             start[i], score[i] = best, max(lowest - n_steps * baseline, 0.0) / second
             speed[i] = best_speed(contrast, i, offsets, best)
