@@ -47,7 +47,7 @@ def plain_score(
     kind: str = "difference",
     n: int = 3000,
 ) -> float:
-    """Score of two views (brightness, seen), each in its own frame, at a rotation reference ← query: a mean over points."""
+    """Score of two views (brightness, seen), each in its own frame, at a rotation reference ← query."""
     here = fibonacci(n).directions
     there = to_world(here, rotation)
     both = query[1](here) & reference[1](there)

@@ -57,7 +57,7 @@ def test_scores_are_those_of_plain_sums_whatever_the_masks(kind, query_mask):
     scores, places = best_rotations(query, BLUR.n_cells, TILTS, spectra, least, kind)
     for k in range(3):
         expected = plain_scores(query, references[k], kind, 1.0)
-        # The rings' own directions are computed in another order, and a lookup at the edge of a mask may fall either way.
+        # Directions are rounded otherwise here, and a lookup at the edge of a mask may fall either way.
         assert scores[k] == pytest.approx(expected.max(), abs=2e-3)
         assert expected.flat[places[k]] == pytest.approx(expected.max(), abs=4e-3)
 

@@ -43,8 +43,8 @@ class RotationParams:
     Notes
     -----
     The numbers are ours and follow from geometry, none was fitted to views: two views of half the sphere at a tilt of
-    90° still share half of what each saw; the coarse Gaussian is about half as wide as rings, turns and tilts are apart,
-    so that nothing falls between them; the first step of the refinement is half the spacing of tilts.
+    90° still share half of what each saw; the coarse Gaussian is about half as wide as rings, turns and tilts are
+    apart, so that nothing falls between them; the first step of the refinement is half the spacing of tilts.
     """
 
     score: str = "difference"
