@@ -3,7 +3,8 @@
 The plain search looks the query up along the rings of the reference at every tilt and turn and sums, in NumPy, without
 Fourier transforms; the brute search scores references at the same rotations on the fine map, compiled. Both are
 measured on a few rotations and scaled, as the whole would take minutes. Products of matrices run on one thread where
-threadpoolctl is installed. Views are made up; run it by ``make bench``.
+threadpoolctl is installed. Times are those of the processor, which a shared
+machine disturbs less. Views are made up; run it by ``make bench``.
 """
 
 import contextlib
@@ -28,9 +29,9 @@ N_RUNS, N_PLAIN = 7, 12
 
 
 def seconds(function: Callable[[], object]) -> float:
-    started = time.perf_counter()
+    started = time.process_time()
     function()
-    return time.perf_counter() - started
+    return time.process_time() - started
 
 
 def skies(numbers: range, directions: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from insectnav.vision import fisheye, rotation_matrix, to_world
-from insectnav.vision.sphere import SphereGrid, equirectangular, fibonacci
+from insectnav.vision.sphere import equirectangular, fibonacci
 
 DATA = Path(os.environ.get("INSECTNAV_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data")
 CAMERA = fisheye((320, 320), np.pi)
@@ -56,16 +56,16 @@ def skyline_jitter(rng: np.random.Generator, sigma: float, correlation: float) -
     """Displacement in elevation by a smooth random field of that standard deviation and correlation length [rad]."""
     from scipy.ndimage import map_coordinates
 
-    coarse: SphereGrid = equirectangular(2.0)
-    centres = fibonacci(int(40.0 / correlation**2)).directions
+    coarse = equirectangular(3.0)
+    centres = fibonacci(int(10.0 / correlation**2)).directions
     field = np.exp((coarse.directions @ centres.T - 1.0) / correlation**2) @ rng.standard_normal(len(centres))
     field *= sigma / np.sqrt(np.average(field**2, weights=coarse.weights))
-    padded = np.pad(field.reshape(90, 180), ((0, 0), (1, 1)), mode="wrap")
+    padded = np.pad(field.reshape(60, 120), ((0, 0), (1, 1)), mode="wrap")
 
     def move(directions: np.ndarray) -> np.ndarray:
         azimuth = np.arctan2(directions[:, 0], directions[:, 1])
         elevation = np.arcsin(np.clip(directions[:, 2], -1.0, 1.0))
-        place = [(np.pi / 2 - elevation) / np.deg2rad(2.0) - 0.5, (azimuth + np.pi) / np.deg2rad(2.0) + 0.5]
+        place = [(np.pi / 2 - elevation) / np.deg2rad(3.0) - 0.5, (azimuth + np.pi) / np.deg2rad(3.0) + 0.5]
         raised = np.clip(elevation + map_coordinates(padded, place, order=1, mode="nearest"), -np.pi / 2, np.pi / 2)
         level = np.cos(raised)
         return np.stack([np.sin(azimuth) * level, np.cos(azimuth) * level, np.sin(raised)], axis=-1)

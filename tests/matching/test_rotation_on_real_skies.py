@@ -15,7 +15,7 @@ from real_skies import GRID, random_rotation, sky_masks, skyline_jitter, tilted_
 
 pytestmark = pytest.mark.data
 TILTS = np.deg2rad([40.0, 60.0])
-JITTER, CORRELATION = np.deg2rad(4.5), np.deg2rad(3.0)
+JITTER, CORRELATION = np.deg2rad(4.5), np.deg2rad(5.0)
 
 
 @pytest.fixture(scope="module")
