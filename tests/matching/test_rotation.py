@@ -213,6 +213,11 @@ def test_bytes_and_bools_count_as_zero_to_one():
     assert_same(index.match(is_sky, SEEN), index.match(is_sky.astype(float), SEEN))
 
 
+def test_rounding_beyond_one_is_forgiven():
+    rounded = np.where(LEVEL > 0.5, np.float32(1.0000002), np.float32(-1e-7))
+    assert_allclose(build_rotation_index(rounded, SEEN, GRID, PARAMS).match(rounded[2], SEEN).score, 1.0, atol=1e-6)
+
+
 def test_the_ratio_tells_how_distinct_a_match_is():
     assert np.isnan(build_rotation_index(LEVEL[:1], SEEN, GRID, PARAMS).match(LEVEL[0], SEEN).ratio)
     alone = build_rotation_index(LEVEL[:1], SEEN, GRID, PARAMS).match(LEVEL[0], SEEN)

@@ -1,7 +1,8 @@
 """Real skies, tilted: the place among all others of the walk, and how the camera was turned.
 
 No parameter was fitted to what is counted here: queries are every other frame, from the second on, and the defaults
-follow from geometry. Where variants were compared, that was on the frames between.
+follow from geometry. Variants were looked at on the frames between, and none was taken for what it gave there; the
+neighbours are counted on all frames.
 """
 
 from dataclasses import replace
@@ -87,7 +88,7 @@ def test_a_skyline_that_is_misjudged_is_found(masks, index, tilt, least_recall):
 @pytest.mark.slow
 @pytest.mark.parametrize(("tilt", "least_recall"), [(TILTS[0], 0.58), (TILTS[1], 0.52)])
 def test_the_neighbouring_frame_is_found(masks, index, tilt, least_recall):
-    frames = np.tile(np.arange(1, 65, 2), 2)
+    frames = np.tile(np.arange(65), 2)  # all of them: of 64 queries the share is known to ±0.06 only
     _, views, seen = queries(masks, frames, tilt, seed=4)
     found = []
     for frame, view, mask in zip(frames, views, seen, strict=True):

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from insectnav.matching.rotation_search import RingSpectra
 
 SCORES = ("difference", "correlation")
+_ROUNDING = 1e-4  # by which resampled values may leave 0 to 1
 _FLATTEST = 1e-6  # range of values of order 1, under which a view is constant
 
 
@@ -272,7 +273,9 @@ def _prepared(view: NDArray[Any], mask: Bools, score: str, name: str) -> tuple[S
     if score == "difference":
         if view.dtype.kind in "iu":
             values /= np.iinfo(view.dtype).max
-        check_range(name, values, 0.0, 1.0, slip="bytes as floats, or meant for the score 'correlation'?")
+        slip = "bytes as floats, or meant for the score 'correlation'?"
+        if values.min() < -_ROUNDING or values.max() > 1.0 + _ROUNDING:
+            check_range(name, values, 0.0, 1.0, slip=slip)
     else:
         values = values - values.mean()
         values /= max(float(values.std()), np.finfo(float).tiny)
