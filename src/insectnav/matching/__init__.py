@@ -10,6 +10,8 @@ from insectnav.matching.compass import (
 )
 from insectnav.matching.constellations import ConstellationIndex, ConstellationParams, constellation_index, locate
 from insectnav.matching.difference import METRICS, References, difference_matrix, prepare_references
+from insectnav.matching.rotation import RotationIndex, RotationParams, build_rotation_index
+from insectnav.matching.rotation_matches import RotationMatches, rotation_angles, rotation_between
 from insectnav.matching.seqslam import OPENSEQSLAM_V1, Matches, SeqSlamParams, enhance_contrast, seqslam
 from insectnav.matching.stream import Stream, StreamMatch, begin_stream, locate_next
 
@@ -20,12 +22,16 @@ __all__ = [
     "ConstellationParams",
     "Matches",
     "References",
+    "RotationIndex",
+    "RotationMatches",
+    "RotationParams",
     "SeqSlamParams",
     "Stream",
     "StreamMatch",
     "TurnMatrix",
     "VisualCompass",
     "begin_stream",
+    "build_rotation_index",
     "constellation_index",
     "difference_matrix",
     "disk_turn_matrix",
@@ -34,6 +40,8 @@ __all__ = [
     "locate_next",
     "nearest_view",
     "prepare_references",
+    "rotation_angles",
+    "rotation_between",
     "seqslam",
     "turn_matrix",
     "turns_of_matches",
