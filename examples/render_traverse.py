@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from insectnav.datasets.picture_files import read_picture
+from insectnav.datasets.image_folder import read_image
 from insectnav.experiments.figures import DOUBLE_COLUMN, journal_style, save_figure
 from insectnav.experiments.rendering.cameras import CameraParams
 from insectnav.experiments.rendering.job import run
@@ -56,7 +56,7 @@ def frames_of(folder):
     with (folder / "frames.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     return rows, {
-        name: np.stack([read_picture(folder / name / f"{row['file']}.png") for row in rows]) for name in PICTURES
+        name: np.stack([read_image(folder / name / f"{row['file']}.png") for row in rows]) for name in PICTURES
     }
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from insectnav.datasets.picture_files import read_picture
+from insectnav.datasets.image_folder import read_image
 from insectnav.experiments.figures import DOUBLE_COLUMN, journal_style, name_panel, save_figure
 from insectnav.experiments.rendering.cameras import CameraParams
 from insectnav.experiments.rendering.job import run
@@ -60,7 +60,7 @@ with journal_style(), tempfile.TemporaryDirectory() as temporary:
         print(f"{title:38s} {plan.place.mesh.n_triangles:6d} triangles, {told['seconds']:5.1f} s")
         for column, name in enumerate(PICTURES.pictures):
             axes = figure.add_subplot(grid[row, column])
-            axes.imshow(read_picture(frames / name / "000000.png"), cmap="gray", vmin=0, vmax=255,
+            axes.imshow(read_image(frames / name / "000000.png"), cmap="gray", vmin=0, vmax=255,
                         extent=(-180, 180, *ELEVATION), interpolation="antialiased")  # fmt: skip
             axes.set(xticks=(-180, -90, 0, 90, 180), yticks=(-30, 0, 30, 60))
             axes.tick_params(labelbottom=row == len(VIEWS) - 1, labelleft=column == 0)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from command_line import NEEDS_POSIX, Outcome, assert_refused, everything, in_process, strict
-from insectnav.labelling.pictures import write_picture
+from insectnav.datasets.picture_files import write_picture
 from labelling_scene import COLUMNS, ROWS, is_sky, leave, read, strokes
 
 

@@ -11,7 +11,7 @@ import pytest
 from command_line import Outcome, assert_refused, everything, in_process, strict
 from insectnav.cli import render_options
 from insectnav.cli.render_command import render_params
-from insectnav.datasets.picture_files import read_picture
+from insectnav.datasets.image_folder import read_image
 from insectnav.experiments.rendering import job
 from insectnav.experiments.rendering.frame_store import FrameStore
 from insectnav.experiments.rendering.pictures import USUAL
@@ -55,8 +55,8 @@ def test_one_picture(insectnav: Callable, tmp_path: Path):
     assert everything(folder) == ["contact_sheet.png", "frames.csv", "green", "green/000000.png", "provenance.json",
                                   "render.json", "sky_mask", "sky_mask/000000.png", "uv", "uv/000000.png", "visible",
                                   "visible/000000.png"]  # fmt: skip
-    uv, visible = (read_picture(folder / name / "000000.png") for name in ("uv", "visible"))
-    mask = read_picture(folder / "sky_mask" / "000000.png")
+    uv, visible = (read_image(folder / name / "000000.png") for name in ("uv", "visible"))
+    mask = read_image(folder / "sky_mask" / "000000.png")
     assert (uv.shape, uv.dtype, visible.shape) == ((7, 24), np.uint8, (7, 24, 3))
     assert set(np.unique(mask)) == {0, 255}
     assert np.median(uv[mask == 255]) > 1.5 * np.median(uv[mask == 0])
@@ -83,14 +83,14 @@ def test_radiance_is_that_of_the_renderer(insectnav: Callable, tmp_path: Path):
     expected = render(world, [(0.5, -1.0, 0.2)], *angles, camera=panorama(15.0, (-15.0, 90.0)), supersampling=2,
                       layers=("uv", "red", "green", "blue", "sky", "depth"))  # fmt: skip
     found = {
-        name: read_picture(tmp_path / "raw" / name / "000000.tiff") for name in ("uv", "visible", "sky_share", "depth")
+        name: read_image(tmp_path / "raw" / name / "000000.tiff") for name in ("uv", "visible", "sky_share", "depth")
     }
     np.testing.assert_array_equal(found["uv"], expected["uv"][0])
     for band, name in enumerate(("red", "green", "blue")):
         np.testing.assert_array_equal(found["visible"][..., band], expected[name][0])
     np.testing.assert_array_equal(found["sky_share"], expected["sky"][0])
     np.testing.assert_array_equal(found["depth"], expected["depth"][0])
-    mask = read_picture(tmp_path / "raw" / "sky_mask" / "000000.png")
+    mask = read_image(tmp_path / "raw" / "sky_mask" / "000000.png")
     np.testing.assert_array_equal(mask == 255, expected["sky"][0] >= 0.5)
     assert 0.0 < (mask == 255).mean() < 1.0
 
@@ -99,7 +99,7 @@ def test_flat_light_is_the_published_view(insectnav: Callable, tmp_path: Path):
     assert insectnav("render", *TINY, "--light", "flat", "--out", "flat").code == 0
     world = load_world("ant-world", seed=3, radius=6.0, clearing=2.0, tree_density=0.05)
     expected = render_panorama(world, [(0.0, -0.9)], [0.0], resolution_deg=15.0, supersampling=2)[0]
-    np.testing.assert_array_equal(read_picture(tmp_path / "flat" / "grey" / "000000.png"), np.rint(255 * expected))
+    np.testing.assert_array_equal(read_image(tmp_path / "flat" / "grey" / "000000.png"), np.rint(255 * expected))
     assert table(tmp_path / "flat")[0]["weather"] == ""
 
 
@@ -154,7 +154,7 @@ def test_each_frame_may_have_its_own_exposure(insectnav: Callable, tmp_path: Pat
     assert insectnav(*line).code == 0
     rows = table(tmp_path / "own")
     assert len({row["white_uv"] for row in rows}) == 3
-    picture = read_picture(tmp_path / "own" / "uv" / "000001.png")
+    picture = read_image(tmp_path / "own" / "uv" / "000001.png")
     assert picture.dtype == np.uint16
     assert picture.mean() / 65535 == pytest.approx(0.25, abs=0.001)  # which is what the meter is said to do
     assert insectnav("render", *TINY, "--exposure", "0.5", "--out", "set").code == 0
@@ -249,13 +249,13 @@ def test_mesh_file_in_daylight(insectnav: Callable, tmp_path: Path):
     )
     assert insectnav(*line, "--out", "wall", "--sun", "180,40").code == 0
     labels = json.loads((tmp_path / "wall" / "render.json").read_text())["material_labels"]
-    material = read_picture(tmp_path / "wall" / "material" / "000000.png")
+    material = read_image(tmp_path / "wall" / "material" / "000000.png")
     assert material[0, 4] == labels["brick"]  # straight ahead, to the north
     assert material.shape == (6, 8)
-    red, _, blue = read_picture(tmp_path / "wall" / "visible" / "000000.png")[0, 4]
+    red, _, blue = read_image(tmp_path / "wall" / "visible" / "000000.png")[0, 4]
     assert red > 1.1 * blue
     assert insectnav(*line, "--out", "leaf", "--material", "leaves").code == 0
-    assert labels["leaves"] in read_picture(tmp_path / "leaf" / "material" / "000000.png")
+    assert labels["leaves"] in read_image(tmp_path / "leaf" / "material" / "000000.png")
     assert_refused(insectnav("render", "wall.obj", "--spacing", "1"), "has no route to walk along")
 
 

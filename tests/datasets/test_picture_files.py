@@ -7,7 +7,8 @@ import pytest
 from PIL import Image
 
 from insectnav.checks import InputError
-from insectnav.datasets.picture_files import check_format, quantised, read_picture, write_picture
+from insectnav.datasets.image_folder import read_image
+from insectnav.datasets.picture_files import check_format, quantised, write_picture
 
 RNG = np.random.default_rng(5)
 
@@ -24,7 +25,7 @@ def test_whole_numbers_are_the_nearest():
 def test_picture_comes_back(suffix: str, shape: tuple, dtype: type, tmp_path: Path):
     picture = RNG.integers(0, np.iinfo(dtype).max, shape).astype(dtype)
     write_picture(tmp_path / f"a{suffix}", picture)
-    np.testing.assert_array_equal(read_picture(tmp_path / f"a{suffix}"), picture)
+    np.testing.assert_array_equal(read_image(tmp_path / f"a{suffix}"), picture)
     assert [path.name for path in tmp_path.iterdir()] == [f"a{suffix}"]
 
 
@@ -33,7 +34,7 @@ def test_floating_point_numbers_come_back(shape: tuple, tmp_path: Path):
     picture = RNG.random(shape).astype(np.float32)
     picture.flat[0] = np.inf
     write_picture(tmp_path / "a.tiff", picture)
-    np.testing.assert_array_equal(read_picture(tmp_path / "a.tiff"), picture)
+    np.testing.assert_array_equal(read_image(tmp_path / "a.tiff"), picture)
 
 
 def test_other_programs_see_the_same_colours(tmp_path: Path):
@@ -65,6 +66,6 @@ def test_what_no_format_can_hold_is_refused(tmp_path: Path):
         quantised([np.nan])
     (tmp_path / "a.png").write_bytes(b"no picture")
     with pytest.raises(InputError, match="no picture that can be read"):
-        read_picture(tmp_path / "a.png")
+        read_image(tmp_path / "a.png")
     with pytest.raises(InputError, match="cannot be read"):
-        read_picture(tmp_path / "b.png")
+        read_image(tmp_path / "b.png")

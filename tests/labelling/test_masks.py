@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from insectnav.checks import InputError
+from insectnav.datasets.image_folder import read_image
+from insectnav.datasets.picture_files import write_picture
 from insectnav.labelling.masks import mask_from_strokes, read_strokes, shares
-from insectnav.labelling.pictures import list_pictures, on_screen, read_picture, write_picture
+from insectnav.labelling.pictures import list_pictures, on_screen
 from insectnav.vision.growcut import grow_cut
 from labelling_scene import COLUMNS, ROWS, is_sky, leave, picture, read, strokes
 
@@ -40,14 +42,14 @@ def test_pixels_that_no_stroke_reaches_are_grey_and_told(tmp_path: Path):
 
 def test_picture_is_read_as_it_is_stored(tmp_path: Path):
     leave(tmp_path, "a.png", "b.tif")
-    np.testing.assert_array_equal(read_picture(tmp_path / "a.png"), picture())
-    np.testing.assert_array_equal(read_picture(tmp_path / "b.tif"), picture(np.uint16))
+    np.testing.assert_array_equal(read_image(tmp_path / "a.png"), picture())
+    np.testing.assert_array_equal(read_image(tmp_path / "b.tif"), picture(np.uint16))
     grey = picture()[..., 1]
     cv2.imwrite(str(tmp_path / "c.png"), grey)
-    np.testing.assert_array_equal(read_picture(tmp_path / "c.png"), grey)
+    np.testing.assert_array_equal(read_image(tmp_path / "c.png"), grey)
     transparent = np.dstack([picture()[..., ::-1], np.full((ROWS, COLUMNS), 9, np.uint8)])
     cv2.imwrite(str(tmp_path / "d.png"), transparent)
-    np.testing.assert_array_equal(read_picture(tmp_path / "d.png"), picture())
+    np.testing.assert_array_equal(read_image(tmp_path / "d.png"), picture())
 
 
 @pytest.mark.parametrize("values", [picture(), picture(np.uint16), picture()[..., 0] / 255.0, np.full((4, 5), 3.0)])
@@ -90,7 +92,7 @@ def test_wrong_names_are_refused(
 def test_what_is_no_image_is_refused(content: bytes, tmp_path: Path):
     (tmp_path / "x.png").write_bytes(content)
     with pytest.raises(InputError, match=r"cannot be read as an image"):
-        read_picture(tmp_path / "x.png")
+        read_image(tmp_path / "x.png")
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from insectnav.checks import InputError, as_numbers, check_choice, check_range, quoted
+from insectnav.checks import InputError, as_numbers, check_choice, check_range
 
 FORMATS: Mapping[str, Sequence[int]] = {"png": (8, 16), "tiff": (8, 16, 32)}  # and the bits that each can hold
 _PNG_LEVEL = 4  # of 9: half of the time of the highest for a few per cent of the size
@@ -78,27 +78,3 @@ def write_picture(path: Path, picture: Pictures) -> None:
         temporary.rename(path)
     finally:
         temporary.unlink(missing_ok=True)
-
-
-def read_picture(path: Path) -> Pictures:
-    """A picture as it was given to `write_picture`.
-
-    Parameters
-    ----------
-    path : Path
-
-    Raises
-    ------
-    InputError
-        If there is no picture.
-    """
-    import cv2
-
-    try:
-        content = np.frombuffer(path.read_bytes(), np.uint8)
-    except OSError as error:
-        raise InputError(f"{quoted(path, 200)} cannot be read ({error.strerror})") from None
-    picture: Any = cv2.imdecode(content, cv2.IMREAD_UNCHANGED) if content.size else None
-    if picture is None:
-        raise InputError(f"{quoted(path, 200)} is no picture that can be read")
-    return np.ascontiguousarray(picture[..., ::-1]) if picture.ndim == 3 else picture

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from insectnav.checks import InputError, quoted
+from insectnav.datasets.image_folder import read_image
+from insectnav.datasets.picture_files import write_picture
 from insectnav.experiments.results import write_table, written_to
-from insectnav.labelling.pictures import read_picture, write_picture
 from insectnav.vision.registration import Alignment, RegistrationParams, align
 
 TABLE = "alignment.csv"
@@ -43,7 +44,7 @@ def align_files(
     for stem in stems:
         if stems.count(stem) > 1:
             raise InputError(f"two moving pictures are called {quoted(stem)}, their results would share a name")
-    pixels = read_picture(fixed)
+    pixels = read_image(fixed)
     found = [_aligned(pixels, path, params, fixed_band, moving_band) for path in moving]
     rows = []
     for path, alignment in zip(moving, found, strict=True):
@@ -58,7 +59,7 @@ def align_files(
 
 
 def _aligned(fixed: Any, path: Path, params: RegistrationParams, fixed_band: str, moving_band: str) -> Alignment:
-    moving = read_picture(path)
+    moving = read_image(path)
     try:
         return align(fixed, moving, params, fixed_band=fixed_band, moving_band=moving_band)
     except InputError as error:

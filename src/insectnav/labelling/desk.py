@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from insectnav.checks import InputError
+from insectnav.datasets.image_folder import read_image
 from insectnav.labelling.masks import Shares, grown, read_strokes, shares, write_labels
-from insectnav.labelling.pictures import MASK, STROKES, Bytes, on_screen, read_picture
+from insectnav.labelling.pictures import MASK, STROKES, Bytes, on_screen
 from insectnav.vision.growcut import StrokeGrower
 
 
@@ -124,7 +125,7 @@ class Desk:
     def _opened(self, number: int) -> _OpenPicture:
         """The picture, read if another one was open."""
         if self._open is None or self._number != number:
-            pixels = read_picture(self.pictures[number])
+            pixels = read_image(self.pictures[number])
             self._open = _OpenPicture(
                 shape=(pixels.shape[0], pixels.shape[1]), grower=StrokeGrower(pixels), jpeg=on_screen(pixels)
             )

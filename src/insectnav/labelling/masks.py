@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, quoted
-from insectnav.labelling.pictures import Bytes, read_picture, write_picture
+from insectnav.datasets.image_folder import read_image
+from insectnav.datasets.picture_files import write_picture
+from insectnav.labelling.pictures import Bytes
 from insectnav.vision.growcut import StrokeGrower
 
 UNKNOWN, GROUND, SKY = 0, 1, 2  # labels of GrowCut, and on the wire
@@ -68,7 +70,7 @@ def read_strokes(path: Path, shape: tuple[int, int]) -> Bytes:
     InputError
         If the file is no such picture or of another size.
     """
-    pixels = read_picture(path)
+    pixels = read_image(path)
     shown = quoted(path, 200)
     if pixels.ndim == 3 and (pixels == pixels[..., :1]).all():
         pixels = pixels[..., 0]
@@ -103,7 +105,7 @@ def mask_from_strokes(picture: Path, strokes: Path, mask: Path) -> Shares:
     InputError
         If a file cannot be used or written.
     """
-    pixels = read_picture(picture)
+    pixels = read_image(picture)
     painted = read_strokes(strokes, (pixels.shape[0], pixels.shape[1]))
     if not painted.any():
         raise InputError(f"{quoted(strokes, 200)} is 128 everywhere, expected strokes of 255 (sky) and 0 (ground)")

@@ -1,7 +1,6 @@
 """The pictures that are labelled, and the files that belong to them."""
 
 import os
-import secrets
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, quoted
+from insectnav.datasets.image_folder import PICTURES, RAW
 
 Bytes = NDArray[np.uint8]
-SUFFIXES = frozenset([".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp", ".pgm", ".ppm"])
+SUFFIXES = frozenset((*PICTURES, *RAW))
 MASK, STROKES = "_mask.png", "_strokes.png"  # after the name of the picture
-MAX_FILE_BYTES = 2**30
-MAX_PIXELS = 2**27
 SCREEN_QUANTILES = (0.005, 0.995)  # of a picture of more than 8 bits, shown as black and white; for the screen alone
 SCREEN_QUALITY = 95  # of its JPEG
 
@@ -58,61 +56,6 @@ def _is_picture(path: Path) -> bool:
 
 def _is_made_here(path: Path) -> bool:
     return path.name.endswith((MASK, STROKES))
-
-
-def read_picture(path: Path) -> NDArray[Any]:
-    """Pixels as they are stored, (rows, columns) or (rows, columns, 3) in red, green, blue; transparency is dropped.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is no image.
-    """
-    import cv2
-
-    shown = quoted(path, 200)
-    try:
-        size = path.stat().st_size
-        content = np.fromfile(path, np.uint8) if size <= MAX_FILE_BYTES else None
-    except OSError as error:
-        raise InputError(f"{shown} cannot be read ({error.strerror})") from None
-    if content is None:
-        raise InputError(f"{shown} has {size} bytes, expected at most {MAX_FILE_BYTES}")
-    try:
-        pixels = cv2.imdecode(content, cv2.IMREAD_UNCHANGED) if content.size else None
-    except cv2.error:
-        pixels = None
-    if pixels is None or pixels.ndim not in (2, 3) or pixels.dtype.kind not in "uif":
-        raise InputError(f"{shown} cannot be read as an image: cut short, or of another format?")
-    if pixels.shape[0] * pixels.shape[1] > MAX_PIXELS:
-        raise InputError(f"{shown} has {pixels.shape[1]} × {pixels.shape[0]} pixels, expected at most {MAX_PIXELS}")
-    if pixels.ndim == 3:
-        pixels = pixels[..., 2::-1] if pixels.shape[2] >= 3 else pixels[..., 0]
-    return np.ascontiguousarray(pixels)
-
-
-def write_picture(path: Path, pixels: NDArray[Any]) -> None:
-    """Picture, grey or in red, green and blue, in the format of its ending; written under another name and renamed.
-
-    Raises
-    ------
-    InputError
-        If the place cannot be written.
-    """
-    import cv2
-
-    stored = np.ascontiguousarray(pixels[..., ::-1] if pixels.ndim == 3 else pixels)
-    content = cv2.imencode(path.suffix, stored)[1].tobytes()
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            temporary.write_bytes(content)
-            temporary.replace(path)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(f"{quoted(path, 200)} cannot be written ({error.strerror})") from None
 
 
 def on_screen(picture: NDArray[Any]) -> bytes:

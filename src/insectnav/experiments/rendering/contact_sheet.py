@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.datasets.picture_files import read_picture
+from insectnav.datasets.image_folder import read_image
 from insectnav.experiments.figures import DOUBLE_COLUMN, journal_style
 from insectnav.experiments.rendering.pictures import SKY_LABEL, UNSEEN_LABEL
 from insectnav.experiments.rendering.plan import Plan
@@ -57,7 +57,7 @@ def draw_sheet(file: Path, plan: Plan, path: Callable[[str, int], Path], rows: S
         for column, index in enumerate(chosen):
             for row, name in enumerate(plan.names):
                 axes = cells[row // n_columns][row % n_columns] if is_grid else cells[row][column]
-                _draw(axes, displayed(read_picture(path(name, index)), name, plan), _extent(plan))
+                _draw(axes, displayed(read_image(path(name, index)), name, plan), _extent(plan))
                 _label(axes, plan, name, is_left=column == 0, is_lowest=row == n_rows - 1)
             cells[0][column].set_title(_heading_of(rows[index], len(rows)), fontsize=6.0, loc="left", pad=3.0)
         left = MARGIN_LEFT if _extent(plan) else MARGIN_RIGHT
