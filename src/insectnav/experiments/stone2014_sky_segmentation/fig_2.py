@@ -112,9 +112,8 @@ def draw(results: Results) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(DOUBLE_COLUMN, 3.8), layout="constrained")
-    for letters, part, (cell, arrays) in zip(
-        ("abc", "def"), figure.subfigures(1, len(results.cells)), results, strict=True
-    ):
+    parts: Any = figure.subfigures(1, len(results.cells))
+    for letters, part, (cell, arrays) in zip(("abc", "def"), parts, results, strict=True):
         part.suptitle(cell.scene, fontsize=7.0)
         for row, light in enumerate(LIGHTS):
             is_solid = light == "visible"

@@ -116,8 +116,10 @@ def draw(results: Results) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(DOUBLE_COLUMN, 4.4), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.02, h_pad=0.02)
-    upper, lower = figure.subfigures(2, 1, height_ratios=(1.5, 2.9))
+    engine: Any = figure.get_layout_engine()
+    engine.set(w_pad=0.02, h_pad=0.02)
+    parts: Any = figure.subfigures(2, 1, height_ratios=(1.5, 2.9))
+    upper, lower = parts
     _draw_examples(upper, results)
     panels = lower.subplots(2, 3, width_ratios=(1.5, 1.0, 1.9))
     for row, (light, name) in enumerate(KMEANS.items()):

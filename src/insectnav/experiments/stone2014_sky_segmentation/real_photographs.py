@@ -90,7 +90,7 @@ def simulate(cell: Cell, seed: int) -> Arrays:
     """Accuracy of each way on each photograph; NaN where there is none."""
     right = np.full((LARGEST_SET, len(TRIED)), np.nan)
     files = files_of(cell.photographs)
-    chosen = np.linspace(0, len(files) - 1, cell.n_images).round().astype(int) if cell.n_images else []
+    chosen = np.linspace(0, len(files) - 1, cell.n_images).round().astype(int)
     about = SETS[cell.photographs]
     for row, number in enumerate(chosen):
         path = files[number]

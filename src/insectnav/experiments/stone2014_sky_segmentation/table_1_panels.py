@@ -27,8 +27,10 @@ def draw_scenes(results: Results, names: Sequence[str]) -> Figure:
     n_rows = -(-len(results.cells) // N_COLUMNS)
     height = 0.52 * n_rows
     figure = Figure(figsize=(DOUBLE_COLUMN, height + 2.2), layout="constrained")
-    figure.get_layout_engine().set(w_pad=0.01, h_pad=0.01, wspace=0.0, hspace=0.0)
-    upper, lower = figure.subfigures(2, 1, height_ratios=(height, 2.2))
+    engine: Any = figure.get_layout_engine()
+    engine.set(w_pad=0.01, h_pad=0.01, wspace=0.0, hspace=0.0)
+    parts: Any = figure.subfigures(2, 1, height_ratios=(height, 2.2))
+    upper, lower = parts
     panels = upper.subplots(n_rows, 4 * N_COLUMNS, squeeze=False, gridspec_kw={"wspace": 0.0, "hspace": 0.0})
     for axes in panels.ravel():
         axes.axis("off")

@@ -61,10 +61,12 @@ class Variation:
         return replace(lit, sky=sky, grain=grain, materials=materials)
 
     def _material(self, one: Material) -> Material:
-        factors = (self.uv, self.visible, self.visible, self.visible)
-        diffuse = tuple(min(share * factor, 0.95) for share, factor in zip(one.diffuse, factors, strict=True))
-        through = tuple(min(share * factor, 0.95) for share, factor in zip(one.through, factors, strict=True))
-        return replace(one, diffuse=diffuse, through=through, metal_mirror=one.metal_mirror * self.mirrors)
+        mirror = one.metal_mirror * self.mirrors
+        return replace(one, diffuse=self._scaled(one.diffuse), through=self._scaled(one.through), metal_mirror=mirror)
+
+    def _scaled(self, shares: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+        uv, blue, green, red = shares
+        return uv * self.uv, blue * self.visible, green * self.visible, red * self.visible
 
 
 AS_SET = "as set"
