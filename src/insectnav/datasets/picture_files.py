@@ -2,13 +2,14 @@
 
 import secrets
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from insectnav.checks import InputError, as_numbers, check_choice, check_range
+from insectnav.checks import InputError, as_numbers, check_choice, check_range, quoted
 
 FORMATS: Mapping[str, Sequence[int]] = {"png": (8, 16), "tiff": (8, 16, 32)}  # and the bits that each can hold
 _PNG_LEVEL = 4  # of 9: half of the time of the highest for a few per cent of the size
@@ -56,7 +57,7 @@ def quantised(values: npt.ArrayLike, bits: int = 8) -> Pictures:
 
 
 def write_picture(path: Path, picture: Pictures) -> None:
-    """Write a picture under a temporary name, then rename it.
+    """Write a picture under a temporary name, then rename it; its folder is made where there is none.
 
     Parameters
     ----------
@@ -64,6 +65,11 @@ def write_picture(path: Path, picture: Pictures) -> None:
         Ends in .png or .tiff.
     picture : (row, column) or (row, column, 3) array
         uint8 or uint16, or float32 in a TIFF; the last axis is red, green, blue.
+
+    Raises
+    ------
+    InputError
+        If the place cannot be written.
     """
     import cv2
 
@@ -74,7 +80,11 @@ def write_picture(path: Path, picture: Pictures) -> None:
         raise ValueError(f"{path.name}: a picture of {picture.dtype} {picture.shape} cannot be written")
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         temporary.write_bytes(content.tobytes())
         temporary.rename(path)
+    except OSError as error:
+        raise InputError(f"{quoted(path, 200)} cannot be written ({error.strerror})") from None
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink()
