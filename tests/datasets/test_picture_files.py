@@ -49,7 +49,7 @@ def test_other_programs_see_the_same_colours(tmp_path: Path):
 
 def test_nothing_is_left_of_a_file_that_could_not_be_written(tmp_path: Path):
     (tmp_path / "a.png").mkdir()
-    with pytest.raises(OSError):
+    with pytest.raises(InputError, match=r"a.png' cannot be written \(Is a directory\)"):
         write_picture(tmp_path / "a.png", np.zeros((2, 2), np.uint8))
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
 
@@ -64,8 +64,3 @@ def test_what_no_format_can_hold_is_refused(tmp_path: Path):
             check_format(name, bits)
     with pytest.raises(InputError, match="nan"):
         quantised([np.nan])
-    (tmp_path / "a.png").write_bytes(b"no picture")
-    with pytest.raises(InputError, match="no picture that can be read"):
-        read_image(tmp_path / "a.png")
-    with pytest.raises(InputError, match="cannot be read"):
-        read_image(tmp_path / "b.png")
