@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from insectnav.checks import InputError
 from insectnav.vision.sphere import equirectangular, rotation_matrix, to_world
-from insectnav.worlds import render, render_rays
+from insectnav.worlds import render
 from solid_shapes import box, quad, soup, wall, world_of
 
 AHEAD, RIGHT, UP = (0, 1, 0), (1, 0, 0), (0, 0, 1)
@@ -17,9 +17,7 @@ AHEAD, RIGHT, UP = (0, 1, 0), (1, 0, 0), (0, 0, 1)
 def test_values_along_single_rays():
     world = world_of(wall(-5, 2, 5, 2, 3))
     directions = np.array([AHEAD, (0, -1, 0), UP, (0, 0.6, 0.8), (0, 0, -1)])
-    got = render_rays(
-        world, [[0, 0, 1.0]], 0.0, directions=directions, layers=("grey", "depth", "nearness", "triangle")
-    )
+    got = render(world, [[0, 0, 1.0]], 0.0, directions=directions, layers=("grey", "depth", "nearness", "triangle"))
     assert_array_equal(got["grey"][0], np.float32([64 / 255, 1, 1, 1, 0.1]))
     assert_allclose(got["depth"][0], [2, np.inf, np.inf, np.inf, 1], rtol=1e-6)
     assert_allclose(got["nearness"][0], [0.5, 0, 0, 0, 1], rtol=1e-6)
@@ -43,7 +41,7 @@ def test_values_along_single_rays():
 def test_turn_pitch_and_roll(pose, direction, seen):
     sign = quad((-0.2, 2, 0.81), (0.21, 2, 0.81), (0.21, 2, 1.22), (-0.2, 2, 1.22))
     heading, pitch, roll = pose
-    got = render_rays(world_of(sign), [[0, 0, 1.0]], heading, pitch, roll, directions=direction, layers=("alpha",))
+    got = render(world_of(sign), [[0, 0, 1.0]], heading, pitch, roll, directions=direction, layers=("alpha",))
     assert got["alpha"].shape == (1,)
     assert bool(got["alpha"][0]) is seen
 
@@ -53,26 +51,18 @@ def test_tilting_the_eye_is_turning_its_directions():
     look = equirectangular(10.0).directions
     heading, pitch, roll = rng.uniform(-1, 1, (3, 4))
     positions = np.column_stack([rng.uniform(-3, 3, (4, 2)), np.full(4, 0.3)])
-    tilted = render(world, positions, heading, pitch, roll, directions=look)
+    tilted = render(world, positions, heading, pitch, roll, directions=look, layers=("grey",))["grey"]
     for i in range(4):
         turned = to_world(look, rotation_matrix(heading[i], pitch[i], roll[i]))
-        level = render(world, positions[i : i + 1], 0.0, directions=turned)[0]
+        level = render(world, positions[i : i + 1], 0.0, directions=turned, layers=("grey",))["grey"][0]
         assert (tilted[i] != level).mean() < 0.01  # directions are rounded once more
 
 
 def test_shape_follows_the_directions():
     world, look = world_of(soup(2)), equirectangular(30.0).directions.reshape(6, 12, 3)
-    views = render(world, np.zeros((5, 2)), 0.0, directions=look)
+    views = render(world, np.zeros((5, 2)), 0.0, directions=look, layers=("grey",))["grey"]
     assert (views.shape, views.dtype) == ((5, 6, 12), np.float32)
-    assert_array_equal(views[3], render(world, [[0, 0]], 0.0, directions=look)[0])
-
-
-def test_many_rays_are_cast_in_parts(monkeypatch):
-    world, look = world_of(soup(2)), equirectangular(10.0).directions
-    positions = np.random.default_rng(0).uniform(-5, 5, (7, 2))
-    together = render(world, positions, 0.0, directions=look)
-    monkeypatch.setattr("insectnav.worlds.rays.RAYS_AT_ONCE", 2 * len(look))
-    assert_array_equal(render(world, positions, 0.0, directions=look), together)
+    assert_array_equal(views[3], render(world, [[0, 0]], 0.0, directions=look, layers=("grey",))["grey"][0])
 
 
 @pytest.mark.parametrize(
@@ -80,15 +70,15 @@ def test_many_rays_are_cast_in_parts(monkeypatch):
     [
         ({"directions": [(0, 0, 2.0)]}, "directions"),
         ({"directions": [(0, 1)]}, "directions"),
-        ({"band": "uv"}, "band 'uv' is unknown: expected one of grey"),
+        ({"layers": ("uv",)}, "layer 'uv' is unknown: expected one of grey"),
         ({"pitch": [0.0, 0.0]}, "pitch has shape (2,), expected (1,)"),
-        ({"roll": 45}, "roll reaches 45, expected radians within ±2π: degrees?"),
+        ({"roll": 45}, "roll is 45, expected radians within ±2π: degrees?"),
         ({"headings": np.nan}, "headings is nan"),
         ({"positions": [[9.1, 9.2]]}, "position 0 at (9.1, 9.2, 0.01) m is inside a solid"),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(changes, words):
-    arguments = {"positions": [[0, 0]], "headings": 0.0, "directions": [AHEAD, UP]} | changes
+    arguments = {"positions": [[0, 0]], "headings": 0.0, "directions": [AHEAD, UP], "layers": ("grey",)} | changes
     with pytest.raises(InputError) as caught:
         render(world_of(box(9, 9, 2, 2)), **arguments)
     assert words in str(caught.value)
@@ -104,4 +94,4 @@ def test_without_embreex_the_sentence_says_how_to_get_it(monkeypatch):
 
     monkeypatch.setattr(builtins, "__import__", refuse)
     with pytest.raises(InputError, match=r"rays need the package embreex.*insectnav\[rays\]"):
-        render(world_of(soup(1, 9)), [[0, 0]], 0.0, directions=[AHEAD])
+        render(world_of(soup(1, 9)), [[0, 0]], 0.0, directions=[AHEAD], layers=("grey",))

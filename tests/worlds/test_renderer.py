@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from insectnav.checks import InputError
 from insectnav.vision.sphere import equirectangular
-from insectnav.worlds import World, flat_world, load_world, render_layers, render_panorama, render_rays
+from insectnav.worlds import World, flat_world, load_world, render, render_layers, render_panorama
 from solid_shapes import EVERYWHERE, box, quad, soup, sphere, turned, wall, world_of
 
 DATA = Path(os.environ.get("INSECTNAV_DATA") or Path(__file__).resolve().parents[3] / "shared" / "data")
@@ -65,7 +65,7 @@ def assert_equals_embree(world, positions, headings, share_off=1e-4):
     """Equal but for samples that an edge passes within rounding; distances to single precision."""
     grid = equirectangular(1.0, (-15.0, 90.0))
     ours = render_layers(world, positions, headings, ALL_LAYERS)
-    rays = render_rays(world, positions, headings, directions=grid.directions.reshape(105, 360, 3), layers=ALL_LAYERS)
+    rays = render(world, positions, headings, directions=grid.directions.reshape(105, 360, 3), layers=ALL_LAYERS)
     same = ours["triangle"] == rays["triangle"]
     is_tie = np.isclose(ours["depth"], rays["depth"], rtol=1e-5)  # two triangles in one place
     assert (~same & ~is_tie).mean() <= share_off

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from insectnav.checks import InputError
-from insectnav.worlds.texture import texture, textured
+from insectnav.worlds.texture import pack_octaves, texture, textured
+from texture_oracle import octave
 
 RNG = np.random.default_rng(0)
 
@@ -90,3 +91,14 @@ def test_bad_input(changes: dict, words: str):
         texture(given.pop("points"), **given)
     with pytest.raises(InputError, match="contrast"):
         textured(0.5, 0.0, 30.0)
+
+
+@pytest.mark.parametrize("n_octaves", [1, 2, 7])
+def test_it_is_the_sum_of_octaves_of_the_plain_implementation(n_octaves: int):
+    points = RNG.uniform(-200.0, 200.0, (2000, 3))
+    points[:30] = np.round(points[:30])  # corners of the lattice too
+    octaves = pack_octaves(11, 2.0, n_octaves)
+    plain = sum(
+        octave(points * 2.0**k / 2.0 + octaves.shift[k], octaves.salt[k]) for k in range(n_octaves)
+    ) * octaves.scale  # fmt: skip
+    np.testing.assert_allclose(texture(points, seed=11, coarsest=2.0, n_octaves=n_octaves), plain, rtol=0, atol=1e-10)

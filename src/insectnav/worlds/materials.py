@@ -14,6 +14,9 @@ McKenzie
 JHU
     Needle piles of conifers, Johns Hopkins University spectra in the ASTER and ECOSTRESS libraries (Baldridge et al.
     2009, doi 10.1016/j.rse.2008.11.007): 0.042, 0.049, 0.088, 0.057.
+Yang
+    Yang, Heisler, Montgomery, Sullivan, Whereat & Miller 1995, Int. J. Biometeorol. 38, 60–66: leaves let hardly any
+    ultraviolet through. The share that they let through in the other bands is assumed to be what they scatter back.
 Fresnel
     Refractive indices: soda-lime glass 1.52 (Rubin 1985, doi 10.1016/0165-1633(85)90052-8), water 1.34 (Hale & Querry
     1973, doi 10.1364/AO.12.000555; 1.343 to 1.332 from 350 to 620 nm).
@@ -42,6 +45,8 @@ class Material:
     ----------
     diffuse : four numbers in 0…1
         Share of the light that is scattered to all sides, at 350, 450, 520 and 620 nm (uv, blue, green, red).
+    through : four numbers in 0…1
+        Share that is scattered to the other side of a thin thing, in the same bands.
     source : str
         Where the numbers come from, short names as at the top of the module.
     assumed : str
@@ -59,6 +64,7 @@ class Material:
     diffuse: tuple[float, float, float, float]
     source: str
     assumed: str = ""
+    through: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     is_ground: bool = False
     refractive_index: float = 1.0
     n_surfaces: int = 1
@@ -67,16 +73,23 @@ class Material:
 
 _GREENER = "520 and 620 nm: 450 nm times the ratios of JHU"
 _VISIBLE = "450, 520 and 620 nm"
+_THROUGH = "what goes through in the visible: as much as is scattered back"
 _PAINT = "diffuse: paint under a clear coat that takes up the ultraviolet"
 
 MATERIALS = {
     # Plants. Leaves, grass and needles are the tussocks, shrubs and crowns; straw is dry grass.
-    "leaves": Material(diffuse=(0.020, 0.045, 0.082, 0.053), source="Feister, McKenzie", assumed=_GREENER),
+    "leaves": Material(
+        diffuse=(0.020, 0.045, 0.082, 0.053), through=(0.0, 0.045, 0.082, 0.053), source="Feister, McKenzie, Yang",
+        assumed=f"{_GREENER}; {_THROUGH}",
+    ),
     "grass": Material(
         diffuse=(0.020, 0.045, 0.082, 0.053), source="Feister, McKenzie", assumed=_GREENER, is_ground=True
     ),
     "needles": Material(diffuse=(0.042, 0.049, 0.088, 0.057), source="JHU"),
-    "straw": Material(diffuse=(0.050, 0.10, 0.16, 0.24), source="Feister (the upper end of plants)", assumed=_VISIBLE),
+    "straw": Material(
+        diffuse=(0.050, 0.10, 0.16, 0.24), through=(0.0, 0.10, 0.16, 0.24),
+        source="Feister (the upper end of plants), Yang", assumed=f"{_VISIBLE}; {_THROUGH}",
+    ),
     "bark": Material(diffuse=(0.050, 0.08, 0.11, 0.15), source="Feister (as soil)", assumed="all bands"),
     "timber": Material(diffuse=(0.050, 0.15, 0.22, 0.32), source="Feister (as soil)", assumed="all bands"),
     # Ground.
@@ -137,6 +150,35 @@ def reflectance(materials: Sequence[str], band: str) -> Floats:
     if band == "grey":
         return np.array([GREY_GROUND if material.is_ground else GREY_PLANTS for material in chosen])
     return np.array([material.diffuse[list(BANDS).index(band)] for material in chosen])
+
+
+def transmittance(materials: Sequence[str], band: str) -> Floats:
+    """Share of the light that each material scatters to its other side in one band, (material,) array in 0…1.
+
+    Parameters
+    ----------
+    materials, band
+        As of `reflectance`; not "grey".
+
+    Raises
+    ------
+    InputError
+        If a material or the band is unknown.
+    """
+    check_choice("band", band, tuple(BANDS))
+    return np.array([_material(name).through[list(BANDS).index(band)] for name in materials])
+
+
+def mirror_optics(materials: Sequence[str]) -> Floats:
+    """What `mirror_fraction` needs of each material, (material, 3): refractive index, number of surfaces, metal share.
+
+    Raises
+    ------
+    InputError
+        If a material is unknown.
+    """
+    chosen = [_material(name) for name in materials]
+    return np.array([(one.refractive_index, float(one.n_surfaces), one.metal_mirror) for one in chosen])
 
 
 def mirror_fraction(material: str, cos_incidence: npt.ArrayLike) -> Floats:

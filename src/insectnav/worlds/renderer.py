@@ -140,6 +140,46 @@ def render_layers(
     return {layer: found[layer] for layer in layers}
 
 
+def draw_samples(
+    world: World,
+    position: npt.NDArray[Any],
+    rotation: npt.NDArray[Any],
+    heading: float,
+    resolution_deg: float,
+    elevation_deg: tuple[float, float],
+    supersampling: int,
+) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float32]]:
+    """Nearest triangle, and its nearness [1/m], in each sample of one panorama, both (pixel · sample,).
+
+    Pixels follow each other row by row, and so do the samples of each. Where there is no triangle it is below 0.
+
+    Parameters
+    ----------
+    position : (3,) array [m]
+    rotation : (3, 3) array, world ← eye
+    heading : of a level eye [rad]; NaN for one that is tilted, for which the world is turned about it instead
+    world, resolution_deg, elevation_deg, supersampling
+        As of `render_panorama`.
+    """
+    from insectnav.worlds.panorama_kernel import render_views
+
+    s = supersampling
+    grid = sampling_grid(resolution_deg / s, elevation_deg, 1)
+    scene = _pack_scene(world, (), grid)
+    if np.isnan(heading):
+        turned = (world.corners.T.astype(np.float64) - position) @ rotation
+        scene = scene._replace(corners=np.ascontiguousarray(turned.T, np.float32))
+        position, heading = np.zeros(3), 0.0
+    views = _empty_views(position[None], np.array([heading]), grid, ("triangle", "nearness"), 0)
+    render_views(0, 1, grid, scene, new_work(world, grid), views)
+    rows, columns = grid.n_rows // s, grid.n_columns // s
+
+    def by_pixel(samples: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        return samples[0].reshape(rows, s, columns, s).swapaxes(1, 2).reshape(-1)
+
+    return by_pixel(views.triangle), by_pixel(views.nearness)
+
+
 def sampling_grid(resolution_deg: float, elevation_deg: tuple[float, float], supersampling: int) -> Any:
     """Directions of all samples of a panorama, in the form that the kernel reads.
 

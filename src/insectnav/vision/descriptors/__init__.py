@@ -4,7 +4,14 @@ from functools import partial
 
 from insectnav.vision.descriptors.descriptor import Descriptor
 from insectnav.vision.descriptors.frequency_strip import frequency_strip
+from insectnav.vision.descriptors.harmonic_basis import amplitude_spectrum, harmonic_pairs, real_harmonics
 from insectnav.vision.descriptors.retinotopic import retinotopic
+from insectnav.vision.descriptors.spherical_harmonics import (
+    harmonic_amplitudes,
+    harmonic_coefficients,
+    sphere_amplitudes,
+    sphere_coefficients,
+)
 from insectnav.vision.descriptors.wrapped_disk import wrap_to_disk, zernike_disk_amplitudes, zernike_disk_coefficients
 from insectnav.vision.descriptors.zernike import zernike_amplitudes, zernike_coefficients
 from insectnav.vision.descriptors.zernike_basis import radial_polynomials, zernike_pairs, zernike_weights
@@ -33,15 +40,28 @@ DESCRIPTORS = {
             is_heading_free=True,
             source="Stürzl & Mallot 2006, doi 10.1016/j.robot.2005.12.001",
         ),
+        Descriptor(  # of panoramas from −15° to 90° in pixels of at most 3°
+            name="spherical-harmonics",
+            describe=partial(harmonic_amplitudes, n_degrees=60),
+            is_heading_free=True,
+            source="Stone et al., ICRA 2016; sampling: Driscoll & Healy 1994, doi 10.1006/aama.1994.1008",
+        ),
     )
 }
 
 __all__ = [
     "DESCRIPTORS",
     "Descriptor",
+    "amplitude_spectrum",
     "frequency_strip",
+    "harmonic_amplitudes",
+    "harmonic_coefficients",
+    "harmonic_pairs",
     "radial_polynomials",
+    "real_harmonics",
     "retinotopic",
+    "sphere_amplitudes",
+    "sphere_coefficients",
     "wrap_to_disk",
     "zernike_amplitudes",
     "zernike_coefficients",
