@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from insectnav.experiments.experiment import Experiment
 
 _STONE_2017 = "insectnav.experiments.stone2017_path_integration"
+_STONE_2016 = "insectnav.experiments.stone2016_homing"
 _MODULES = {
     "stone2017-fig-4h": f"{_STONE_2017}.fig_4h",
     "stone2017-fig-5a": f"{_STONE_2017}.fig_5a",
@@ -29,6 +30,13 @@ _MODULES = {
     "stone2017-migration": f"{_STONE_2017}.migration",
     "stone2017-vector-navigation": f"{_STONE_2017}.vector_navigation",
     "stone2017-physiology": f"{_STONE_2017}.physiology",
+    "stone2016-fig-4-3": f"{_STONE_2016}.fig_4_3",
+    "stone2016-fig-4-4": f"{_STONE_2016}.fig_4_4",
+    "stone2016-fig-4-5": f"{_STONE_2016}.fig_4_5",
+    "stone2016-fig-4-6": f"{_STONE_2016}.fig_4_6",
+    "stone2016-sampling": f"{_STONE_2016}.sampling",
+    "stone2016-coding": f"{_STONE_2016}.coding",
+    "stone2016-clutter": f"{_STONE_2016}.clutter",
 }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from insectnav.datasets.known_worlds import KNOWN_WORLDS, find_world, world_file
 from insectnav.homing import catchment_area, distance_from, grid_positions, random_headings, survey
-from insectnav.vision.descriptors import DESCRIPTORS
 from insectnav.worlds import World, flat_world, load_world, read_mesh, render_panorama
 
 Reals = NDArray[np.floating[Any]]
@@ -25,9 +24,7 @@ STAND_IN = "ant-world"
 # Lower left corner of the box, x and y [m]: the public views of both files are from x, y = 0…10 m (for the clearing a
 # quadrant, not its middle); the clearing of a built world is round the origin.
 CORNERS: Mapping[str, float] = {"clearing": 0.0, "seville": 0.0, STAND_IN: -5.0}
-NOT_THE_WORLD = (
-    "the mesh of the clearing is not part of insectnav and was not found, so this ran in the built ant-world in its place"
-)
+NOT_THE_WORLD = "the mesh of the clearing is not part of insectnav and was not found, so this ran in the built ant-world in its place"
 
 
 def stage(name: str) -> str:
@@ -72,6 +69,7 @@ def surfaces(
     seed: int,
     supersampling: int = 4,
     places: Reals | None = None,
+    measure: Any = None,
 ) -> dict[str, NDArray[np.float32]]:
     """Distance surfaces of all places' views, facing north, for each comparison: name → (place, y, x).
 
@@ -88,12 +86,16 @@ def surfaces(
     supersampling : int
     places : (n, 2) array [m]
         Remembered; the twenty references if None.
+    measure : callable
+        From the remembered views to a further measure of `survey`; what it gives is returned as "measure".
     """
     places = reference_places(corner) if places is None else places
     grid = grid_positions(SIZE, spacing, (corner, corner))
     turned = random_headings(grid.shape[:2], seed) if heading == "random" else 0.0
     remembered = render_panorama(world, places, 0.0, supersampling=supersampling)
     measures = {name: distance_from(remembered, by) for name, by in describe.items()}
+    if measure is not None:
+        measures["measure"] = measure(remembered)
     found = survey(world, grid, turned, measures, supersampling=supersampling)
     return {name: np.ascontiguousarray(np.moveaxis(values, -1, 0)) for name, values in found.items()}
 
@@ -117,9 +119,3 @@ def areas(
         catchment_area(one, spacing * every, goal, success_radius).area for one, goal in zip(taken, goals, strict=True)
     ]
     return np.array(found, np.float32)
-
-
-def descriptors(names: Sequence[str]) -> dict[str, Any]:
-    """Ways to compare by their names: "retinotopic" and "compass" as products of pixels, else a descriptor."""
-    pixels = {"retinotopic": "aligned", "compass": "compass"}
-    return {name: pixels.get(name) or DESCRIPTORS[name] for name in names}
