@@ -111,7 +111,7 @@ def test_paired_test_against_all_signs(values: list[int]):
 
 
 def test_effect_is_one_where_all_are_larger_and_turns_with_the_order():
-    first, second = np.arange(20.0) ** 2 + 1.0, np.arange(20.0)
+    first, second = 2.0 * np.arange(20.0) + 1.0, np.arange(20.0)
     assert paired_test(first, second).rank_biserial == 1.0
     assert paired_test(second, first).rank_biserial == -1.0
     assert paired_test(first, second).p == pytest.approx(2.0 * 0.5**20)  # one of 2^20 sign patterns, on both sides

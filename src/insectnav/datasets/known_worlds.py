@@ -1,4 +1,4 @@
-"""Worlds that others have published: where they come from, and where they are on this machine. None is part of insectnav."""
+"""Worlds that others have published, none of them part of insectnav: their origin, and where to find their files."""
 
 import hashlib
 import os
@@ -59,7 +59,7 @@ KNOWN_WORLDS: Mapping[str, KnownWorld] = {
 
 
 def find_world(name: str) -> Path | None:
-    """The file of a known world in the folder that the environment variable INSECTNAV_DATA names; None where it is missing.
+    """The file of a known world in the folder that the variable INSECTNAV_DATA names; None where it is missing.
 
     Raises
     ------

@@ -96,15 +96,8 @@ def survey(
     -----
     A grid of 501 × 501 views of 1° (thesis section 4.3) would take 38 GB; a block of 64 takes 10 MB.
     """
-    places = as_numbers("positions", positions).astype(float)
-    check_shape("positions", places, (..., "x, y or x, y, z"))
-    leading, places = places.shape[:-1], places.reshape(-1, places.shape[-1])
-    turned = as_numbers("headings", headings).astype(float)
-    if turned.ndim and turned.shape != leading:
-        raise InputError(f"headings has shape {turned.shape}, expected one for all or {leading} as the positions")
-    turned = np.broadcast_to(turned, leading).reshape(-1)
+    leading, places, turned = _checked_poses(positions, headings)
     precision = check_precision("dtype", dtype)
-    check_count("number of positions", len(places))
     if not measures:
         raise InputError("measures is empty, expected at least one function of the views")
     found: dict[str, NDArray[Any]] = {}
@@ -125,16 +118,23 @@ def survey(
             progress(min(VIEWS_AT_ONCE, len(places) - first))
 
     starts = range(0, len(places), VIEWS_AT_ONCE)
-    n_workers = min(count_workers(workers), len(starts))
     keep(0, measure(0))  # compiles, makes bases, and finds what is wrong, once
-    if n_workers == 1:
-        for first in starts[1:]:
-            keep(first, measure(first))
-    else:
-        with ThreadPoolExecutor(n_workers) as pool:
-            for first, rows in zip(starts[1:], pool.map(measure, starts[1:]), strict=True):
-                keep(first, rows)
-    return {name: values.reshape(*leading, *values.shape[1:]) for name, values in found.items()}
+    with ThreadPoolExecutor(count_workers(workers)) as pool:
+        for first, rows in zip(starts[1:], pool.map(measure, starts[1:]), strict=True):
+            keep(first, rows)
+    return {name: values.reshape((*leading, *values.shape[1:])) for name, values in found.items()}
+
+
+def _checked_poses(positions: ArrayLike, headings: ArrayLike) -> tuple[tuple[int, ...], Reals, Reals]:
+    """Leading shape, positions (n, 2 or 3) and headings (n,)."""
+    places = as_numbers("positions", positions).astype(float)
+    check_shape("positions", places, (..., "x, y or x, y, z"))
+    leading, places = places.shape[:-1], places.reshape(-1, places.shape[-1])
+    turned = as_numbers("headings", headings).astype(float)
+    if turned.ndim and turned.shape != leading:
+        raise InputError(f"headings has shape {turned.shape}, expected one for all or {leading} as the positions")
+    check_count("number of positions", len(places))
+    return leading, places, np.broadcast_to(turned, leading).reshape(-1)
 
 
 def distance_from(remembered: ArrayLike, by: str | Callable[[ArrayLike], Reals] = "aligned") -> Measure:
@@ -156,7 +156,7 @@ def distance_from(remembered: ArrayLike, by: str | Callable[[ArrayLike], Reals] 
     Notes
     -----
     The same as `rms_difference`, `visual_compass` and `feature_distance` for each remembered view in turn, as matrix
-    products. A root mean square difference below 1e-7 of the brightness is rounding.
+    products. A root mean square difference below 1e-6 of the brightness is rounding.
     """
     stack = as_views(remembered)
     check_shape("remembered", stack, ("remembered", "rows", "columns"))

@@ -59,9 +59,9 @@ def paired_test(first: ArrayLike, second: ArrayLike) -> PairedTest:
     Notes
     -----
     Wilcoxon (1945), Biometrics Bulletin 1:80, doi 10.2307/3001968; pairs without a difference are left out. p is exact
-    where no two differences are equally large and n is at most 50, else from the normal approximation. The matched-pairs
-    rank-biserial correlation is the share of the sum of ranks that speaks for the first less that for the second: Kerby
-    (2014), Comprehensive Psychology 3:1, doi 10.2466/11.IT.3.1.
+    where no two differences are equally large and n is at most 50, else from the normal approximation. The effect size
+    is the matched-pairs rank-biserial correlation, the share of the sum of ranks that speaks for the first less that
+    for the second: Kerby (2014), Comprehensive Psychology 3:1, doi 10.2466/11.IT.3.1.
     """
     from scipy.stats import rankdata, wilcoxon
 

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 FIGURE = "text"
 TITLE = "catchment area by world: clearing, clutter, and built worlds in between"
 NAMES = ("retinotopic", "zernike", "zernike-orthonormal", "harmonic-orders", "compass")
-CLEARINGS = (12.0, 6.0, 3.0, 1.0)  # [m] radius without plants, of built worlds
-N_WORLDS = 5  # built ones of each radius
+CLEARINGS = (12.0, 3.0, 1.0)  # [m] radius without plants, of built worlds
+N_WORLDS = 3  # built ones of each radius
 PLACES = {  # what was published: world and corner of the box [m]
     "clearing, quadrant": ("clearing", 0.0),
     "clearing, middle": ("clearing", -5.0),
@@ -56,8 +56,8 @@ class Cell:
 
 
 def grid(scale: str) -> Sequence[Cell]:
-    """Published worlds that are there, and built ones; quickly, two of them on a coarse grid."""
-    spacing, radii, n_worlds = (0.1, CLEARINGS, N_WORLDS) if scale == "full" else (0.2, (12.0, 1.0), 1)
+    """Published worlds that are there, and built ones; quickly, one of each kind on a coarse grid."""
+    spacing, radii, n_worlds = (0.1, CLEARINGS, N_WORLDS) if scale == "full" else (0.2, (12.0,), 1)
     places: list[dict[str, Any]] = [
         {"label": label, "world": world, "corner": corner, "clearing": 0.0, "world_seed": 0}
         for label, (world, corner) in PLACES.items()
@@ -69,7 +69,7 @@ def grid(scale: str) -> Sequence[Cell]:
         for seed in range(n_worlds)
     ]
     if scale != "full":
-        places = [place for place in places if place["label"] != "clearing, middle"]
+        places = [place for place in places if place["world"] != "clearing"]
     return [Cell(**place, heading=heading, spacing=spacing) for place in places for heading in HEADINGS]
 
 

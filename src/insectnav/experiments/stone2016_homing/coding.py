@@ -79,7 +79,9 @@ def family_features(views: ArrayLike) -> dict[str, tuple[NDArray[Any], NDArray[A
     most = ORDERS[-1]
     raw = zernike_amplitudes(views, most, weights="raw")
     n = zernike_pairs(most)[0]
-    found = {f"zernike-{kind}": (raw * zernike_weights(most, kind), n) for kind in ("stone", "orthonormal", "raw")}
+    found: dict[str, tuple[NDArray[Any], NDArray[Any]]] = {
+        f"zernike-{kind}": (raw * zernike_weights(most, kind), n) for kind in ("stone", "orthonormal", "raw")
+    }
     degree = np.concatenate([np.full(each + 1, each) for each in range(most + 1)])
     found["harmonic-orders"] = (order_amplitudes(views, most + 1), degree)
     found["harmonic-degrees"] = (harmonic_amplitudes(views, most + 1), np.arange(most + 1))

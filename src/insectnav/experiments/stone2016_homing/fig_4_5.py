@@ -119,10 +119,14 @@ def _draw_areas(axes: Axes, results: Results, level: int) -> None:
     """One dot a place, jittered by its number alone; bars are means with one SD."""
     jitter = 0.11 * (np.arange(results["area"].shape[-1]) / (results["area"].shape[-1] - 1) * 2.0 - 1.0)
     for k, name in enumerate(NAMES):
-        for heading, offset, face in (("aligned", -0.19, True), ("random", 0.19, False)):
+        for heading, offset, is_filled in (("aligned", -0.19, True), ("random", 0.19, False)):
             values = results["area"][results.only(heading=heading), k, level].astype(float)
             y, colour = k + offset, COLOURS[COMPARISONS[name].colour]
-            style: dict[str, Any] = {"facecolors": colour if face else "none", "edgecolors": colour, "linewidths": 0.5}
+            style: dict[str, Any] = {
+                "facecolors": colour if is_filled else "none",
+                "edgecolors": colour,
+                "linewidths": 0.5,
+            }
             axes.scatter(values, y + jitter, s=5.0, alpha=0.75, zorder=2, **style)
             mean, sd = values.mean(), values.std(ddof=1)
             axes.errorbar(mean, y, xerr=sd, fmt="|", color="black", markersize=9.0, elinewidth=0.7, zorder=3)
@@ -145,8 +149,8 @@ def caption(results: Results) -> str:
     return (
         f"Catchment areas in a box of {SIZE:g} × {SIZE:g} m round n = {n} evenly spaced places (dots; bars: mean and "
         f"SD), from views every {grids}{' (b)' if cell.every > 1 else ''}. Remembered views face north; views on the "
-        f"grid face north (filled) or each its own way (open). {cell.supersampling}² rays a pixel of 1°, success within "
-        f"{SUCCESS_CELLS:g} cells. {place_text(cell.world)}"
+        f"grid face north (filled) or each its own way (open). {cell.supersampling}² rays a pixel of 1°, success "
+        f"within {SUCCESS_CELLS:g} cells. {place_text(cell.world)}"
     )
 
 

@@ -29,7 +29,9 @@ from insectnav.worlds import render_layers
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
     from matplotlib.figure import Figure
+    from matplotlib.image import AxesImage
 
 FIGURE = "Fig. 4.6"
 TITLE = "two aligned views 3.6 m apart, their difference and their amplitudes"
@@ -56,7 +58,7 @@ def grid(scale: str) -> Sequence[Cell]:
 
 
 def pair_places(corner: float) -> np.ndarray:
-    """Both places of each pair whose second is in the box, too, (pair, 2, xy) [m]; the pair that is drawn is the first."""
+    """Both places of each pair whose second is in the box, too, (pair, 2, xy) [m]; the drawn pair comes first."""
     first = np.repeat(reference_places(0.0), len(DIRECTIONS), axis=0)
     second = first + DISPLACEMENT * np.tile(unit_vector(DIRECTIONS), (len(first) // len(DIRECTIONS), 1))
     drawn = DRAWN[0] * len(DIRECTIONS) + DRAWN[1]
@@ -152,8 +154,8 @@ def draw(results: Results) -> Figure:
     return figure
 
 
-def _draw_view(axes: Axes, values: np.ndarray, colours: object, largest: float) -> object:
-    image = axes.imshow(values, cmap=colours, vmin=0.0, vmax=largest, extent=(-180, 180, -15, 90))  # type: ignore[arg-type]
+def _draw_view(axes: Axes, values: np.ndarray, colours: str | Colormap, largest: float) -> AxesImage:
+    image = axes.imshow(values, cmap=colours, vmin=0.0, vmax=largest, extent=(-180, 180, -15, 90))
     axes.set(xticks=range(-180, 181, 90), yticks=(0, 45, 90), xlabel="azimuth (deg)", ylabel="elevation (deg)")
     return image
 
@@ -203,8 +205,8 @@ def _verdict(table: Table, value: Published) -> Verdict:
     row = by_name[QUANTITIES[what]]
     pixels, amplitudes = by_name["pixels_apart"], by_name["amplitudes_apart"]
     why = (
-        f"from {row['least']:.2f} to {row['largest']:.2f} in {row['n']} pairs; pixels are {pixels['mean']:.2f} of their "
-        f"length apart, amplitudes {amplitudes['mean']:.2f}"
+        f"from {row['least']:.2f} to {row['largest']:.2f} in {row['n']} pairs; pixels are {pixels['mean']:.2f} of "
+        f"their length apart, amplitudes {amplitudes['mean']:.2f}"
     )
     if which == "drawn pair":
         return judge(value, row["drawn_pair"], why=why)

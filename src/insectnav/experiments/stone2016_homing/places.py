@@ -24,7 +24,9 @@ STAND_IN = "ant-world"
 # Lower left corner of the box, x and y [m]: the public views of both files are from x, y = 0…10 m (for the clearing a
 # quadrant, not its middle); the clearing of a built world is round the origin.
 CORNERS: Mapping[str, float] = {"clearing": 0.0, "seville": 0.0, STAND_IN: -5.0}
-NOT_THE_WORLD = "the mesh of the clearing is not part of insectnav and was not found, so this ran in the built ant-world in its place"
+NOT_THE_WORLD = (
+    "the mesh of the clearing is not part of insectnav and was not found: this ran in the built ant-world in its place"
+)
 
 
 def stage(name: str) -> str:
