@@ -94,8 +94,8 @@ def draw(results: Results) -> Figure:
     from matplotlib.figure import Figure
 
     (cell,) = results.cells
-    figure = Figure(figsize=(DOUBLE_COLUMN, 3.3), layout="constrained")
-    spec = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.1), height_ratios=(1.0, 1.7))
+    figure = Figure(figsize=(DOUBLE_COLUMN, 3.5), layout="constrained")
+    spec = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.0), height_ratios=(1.0, 2.4))
     _draw_map(figure.add_subplot(spec[:, 0]), results["plant"][0], cell.corner)
     axes = figure.add_subplot(spec[0, 1])
     axes.imshow(results["view"][0], cmap="gray", vmin=0.0, vmax=1.0, extent=(-180, 180, -15, 90), aspect="equal")
@@ -104,7 +104,7 @@ def draw(results: Results) -> Figure:
     axes = figure.add_subplot(spec[1, 1])
     disk = results["disk"][0]
     axes.imshow(disk, cmap="gray", vmin=0.0, vmax=1.0, extent=(-1, 1, -1, 1), clip_path=_circle(axes), clip_on=True)
-    for x, y, word in ((0.0, 0.82, "N"), (0.82, 0.0, "E"), (0.0, -0.82, "S"), (-0.82, 0.0, "W")):
+    for x, y, word in ((0.0, 0.55, "N"), (0.55, 0.0, "E"), (0.0, -0.55, "S"), (-0.55, 0.0, "W")):
         axes.text(x, y, word, ha="center", va="center", fontsize=6.0, color=COLOURS["blue"])
     axes.set_axis_off()
     name_panel(axes, "c", "the view wrapped")
