@@ -33,7 +33,7 @@ FIGURE = "text"
 TITLE = "catchment area by world: clearing, clutter, and built worlds in between"
 NAMES = ("retinotopic", "zernike", "zernike-orthonormal", "harmonic-orders", "compass")
 CLEARINGS = (12.0, 3.0, 1.0)  # [m] radius without plants, of built worlds
-N_WORLDS = 3  # built ones of each radius
+N_WORLDS = 2  # built ones of each radius
 PLACES = {  # what was published: world and corner of the box [m]
     "clearing, quadrant": ("clearing", 0.0),
     "clearing, middle": ("clearing", -5.0),

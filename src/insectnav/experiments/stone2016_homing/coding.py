@@ -23,6 +23,7 @@ from insectnav.experiments.stone2016_homing.places import (
     areas,
     open_world,
     place_text,
+    roughness,
     stage,
     stands_in,
     surfaces,
@@ -118,10 +119,12 @@ def simulate(cell: Cell, seed: int) -> Arrays:
     found = surfaces(
         world, cell.corner, cell.spacing, cell.heading, {"retinotopic": "aligned"}, measure=CodeDistances, **settings
     )
-    radius = SUCCESS_CELLS * cell.spacing
-    area = [areas(found["retinotopic"], cell.spacing, radius)]
-    area += [areas(one, cell.spacing, radius) for one in np.moveaxis(found["measure"], -1, 0)]
-    return {"area": (("code", "reference"), np.array(area, np.float32), {"units": "m2"})}
+    by_code = [found["retinotopic"], *np.moveaxis(found["measure"], -1, 0)]
+    area = [areas(surface, cell.spacing, SUCCESS_CELLS * cell.spacing) for surface in by_code]
+    return {
+        "area": (("code", "reference"), np.array(area, np.float32), {"units": "m2"}),
+        "roughness": (("code",), np.array([roughness(surface) for surface in by_code])),
+    }
 
 
 def summarise(results: Results) -> Table:
@@ -136,6 +139,7 @@ def summarise(results: Results) -> Table:
             rows.append(
                 where
                 | area_row(area[k])
+                | {"roughness": float(arrays["roughness"][k])}
                 | paired_row(area[k], area[0], "retinotopic")
                 | paired_row(area[k], area[highest], "highest_order")
             )
@@ -176,7 +180,8 @@ def _draw_orders(axes: Axes, area: np.ndarray) -> None:
             label=label,
         )  # fmt: skip
     axes.set_xticks(range(len(ORDERS)), [f"{order}" for order in ORDERS])
-    axes.set_ylim(bottom=0.0)
+    axes.set_yscale("log")
+    axes.set_ylim(0.01, SIZE**2)
 
 
 def caption(results: Results) -> str:
@@ -208,6 +213,10 @@ def _verdict(table: Table, value: Published) -> Verdict:
     row = next((row for row in rows if row["order"] == int(what.split()[4])), None)
     if row is None:
         return judge(value, float("nan"), not_comparable=f"views every {spacing} are surveyed at full scale alone")
-    each = ", ".join(f"{other['mean_area_m2']:.3g} up to {other['order']}" for other in rows)
-    why = f"mean areas in m2: {each}: the lowest orders alone tell places apart too poorly"
+    each = ", ".join(
+        f"{other['mean_area_m2']:.3g} m2 ({other['roughness']:.2f}) up to {other['order']}" for other in rows
+    )
+    why = (
+        f"areas, and in brackets the roughness of the surfaces (noise has 1.73): {each}: low orders hardly change here"
+    )
     return judge(value, row["over_highest_order"], row["over_highest_order_standard_error"], why=why)

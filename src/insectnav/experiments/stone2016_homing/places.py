@@ -102,6 +102,23 @@ def surfaces(
     return {name: np.ascontiguousarray(np.moveaxis(values, -1, 0)) for name, values in found.items()}
 
 
+def roughness(surface: NDArray[np.floating[Any]], *, every: int = 1) -> float:
+    """How much of the change from sample to sample is no slope: 0 on a plane, sqrt(3) where samples are noise.
+
+    ``sqrt(mean (f[j+1] - 2 f[j] + f[j-1])²) / sqrt(mean (f[j+1] - f[j-1])²)`` along x, over all places.
+
+    Parameters
+    ----------
+    surface : (place, y, x) array
+    every : int
+        As of `areas`.
+    """
+    taken = surface[:, ::every, ::every].astype(float)
+    bend = taken[..., 2:] - 2.0 * taken[..., 1:-1] + taken[..., :-2]
+    slope = taken[..., 2:] - taken[..., :-2]
+    return float(np.sqrt(np.mean(bend**2) / np.mean(slope**2)))
+
+
 def areas(
     surface: NDArray[np.floating[Any]], spacing: float, success_radius: float, *, every: int = 1
 ) -> NDArray[np.float32]:

@@ -22,6 +22,7 @@ from insectnav.experiments.stone2016_homing.places import (
     areas,
     open_world,
     place_text,
+    roughness,
     stage,
     stands_in,
     surfaces,
@@ -92,7 +93,11 @@ def simulate(cell: Cell, seed: int) -> Arrays:
         ]
         for name in NAMES
     ]
-    return {"area": (("comparison", "level", "rule", "reference"), np.array(area, np.float32), {"units": "m2"})}
+    rough = [[roughness(found[name], every=2**k) for k in range(cell.n_spacings)] for name in NAMES]
+    return {
+        "area": (("comparison", "level", "rule", "reference"), np.array(area, np.float32), {"units": "m2"}),
+        "roughness": (("comparison", "level"), np.array(rough)),
+    }
 
 
 def summarise(results: Results) -> Table:
@@ -105,6 +110,7 @@ def summarise(results: Results) -> Table:
                     area = arrays["area"][:, level, rule]
                     where = {"world": cell.world, "heading": cell.heading, "comparison": name, "spacing_m": spacing}
                     where |= {"rays_along_a_pixel": cell.supersampling, "success_radius": rule_name}
+                    where |= {"roughness": float(arrays["roughness"][k, level])}
                     finest = paired_row(area[k], arrays["area"][k, 0, rule], "finest")
                     rows.append(where | area_row(area[k]) | paired_row(area[k], area[0], "retinotopic") | finest)
     return rows
