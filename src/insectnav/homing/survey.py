@@ -1,6 +1,6 @@
 """Surveys: views all over a place, rendered and measured block by block, so that no picture is kept."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -66,22 +66,14 @@ def survey(
 
     Parameters
     ----------
-    world : World
-    positions : (..., 2 or 3) array [m]
-        Of x, y and perhaps z, such as `grid_positions` gives.
-    headings : (...) array, or one for all [rad], clockwise from +y
+    world, headings, resolution_deg, elevation_deg, supersampling, band, workers, progress
+        As of `insectnav.worlds.render_panorama`; headings are (...) or one for all. A thread takes a block of views.
+    positions : (..., 2 or 3) array [m], such as `grid_positions` gives
     measures : name → function
         From views (n, rows, columns) to (n, ...): a descriptor of `insectnav.vision.descriptors.DESCRIPTORS`, what
-        `distance_from` gives, or a function of your own. It may be called from several threads at a time, and must not
-        keep the views.
-    resolution_deg, elevation_deg, supersampling, band
-        As of `insectnav.worlds.render_panorama`.
+        `distance_from` gives, or one of your own. It may be called from several threads at a time.
     dtype : {"float32", "float64"}
-        Of the results. Views and measures are computed as they are anyway; single precision halves what is kept.
-    workers : int
-        Threads, each with a block of views; as many as there are processors if None. They change nothing but the time.
-    progress : callable
-        Called with the number of views finished at a time.
+        Of what is kept.
 
     Returns
     -------
@@ -100,29 +92,41 @@ def survey(
     precision = check_precision("dtype", dtype)
     if not measures:
         raise InputError("measures is empty, expected at least one function of the views")
-    found: dict[str, NDArray[Any]] = {}
-    settings: dict[str, Any] = {"resolution_deg": resolution_deg, "elevation_deg": elevation_deg}
-    settings |= {"supersampling": supersampling, "band": band, "workers": 1}
+    look: dict[str, Any] = {"resolution_deg": resolution_deg, "elevation_deg": elevation_deg, "band": band}
 
     def measure(first: int) -> dict[str, NDArray[Any]]:
         block = slice(first, first + VIEWS_AT_ONCE)
-        views = render_panorama(world, places[block], turned[block], **settings)
+        views = render_panorama(world, places[block], turned[block], supersampling=supersampling, workers=1, **look)
         return {name: _checked_rows(name, of(views), len(views)) for name, of in measures.items()}
 
-    def keep(first: int, rows: Mapping[str, NDArray[Any]]) -> None:
+    blocks = _in_threads(measure, range(0, len(places), VIEWS_AT_ONCE), count_workers(workers))
+    found = _gathered(blocks, len(places), precision, progress)
+    return {name: values.reshape((*leading, *values.shape[1:])) for name, values in found.items()}
+
+
+def _gathered(
+    blocks: Iterator[Mapping[str, NDArray[Any]]], n: int, dtype: Any, progress: Callable[[int], None] | None
+) -> dict[str, NDArray[Any]]:
+    """Rows of all blocks, in their order, name → (n, ...)."""
+    found: dict[str, NDArray[Any]] = {}
+    first = 0
+    for rows in blocks:
+        last = min(first + VIEWS_AT_ONCE, n)
         for name, values in rows.items():
             if name not in found:
-                found[name] = np.empty((len(places), *values.shape[1:]), precision)
-            found[name][first : first + len(values)] = values
+                found[name] = np.empty((n, *values.shape[1:]), dtype)
+            found[name][first:last] = values
         if progress is not None:
-            progress(min(VIEWS_AT_ONCE, len(places) - first))
+            progress(last - first)
+        first = last
+    return found
 
-    starts = range(0, len(places), VIEWS_AT_ONCE)
-    keep(0, measure(0))  # compiles, makes bases, and finds what is wrong, once
-    with ThreadPoolExecutor(count_workers(workers)) as pool:
-        for first, rows in zip(starts[1:], pool.map(measure, starts[1:]), strict=True):
-            keep(first, rows)
-    return {name: values.reshape((*leading, *values.shape[1:])) for name, values in found.items()}
+
+def _in_threads(task: Callable[[int], Any], starts: Sequence[int], workers: int) -> Iterator[Any]:
+    """Results in their order. The first comes alone: it compiles, makes bases, and finds what is wrong, once."""
+    yield task(starts[0])
+    with ThreadPoolExecutor(workers) as pool:
+        yield from pool.map(task, starts[1:])
 
 
 def _checked_poses(positions: ArrayLike, headings: ArrayLike) -> tuple[tuple[int, ...], Reals, Reals]:
