@@ -183,5 +183,7 @@ def _verdict(table: Table, value: Published) -> Verdict:
     means = "; ".join(
         f"{other['comparison']} {other['mean_area_m2']:.3g} m2 at {100.0 * other['spacing_m']:g} cm" for other in others
     )
-    why = f"mean areas, {heading}: {means}; of the same views, every one or every fifth; see stone2016-sampling for rays"
+    why = (
+        f"mean areas, {heading}: {means}; of the same views, every one or every fifth; see stone2016-sampling for rays"
+    )
     return judge(value, row[column], row[error] if error else 0.0, why=why)
