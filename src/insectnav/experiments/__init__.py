@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
 _STONE_2014 = "insectnav.experiments.stone2014_sky_segmentation"
 _STONE_2017 = "insectnav.experiments.stone2017_path_integration"
+_STONE_2016 = "insectnav.experiments.stone2016_homing"
 _MODULES = {
     "stone2014-table-1": f"{_STONE_2014}.table_1",
     "stone2014-fig-2": f"{_STONE_2014}.fig_2",
@@ -35,6 +36,13 @@ _MODULES = {
     "stone2017-migration": f"{_STONE_2017}.migration",
     "stone2017-vector-navigation": f"{_STONE_2017}.vector_navigation",
     "stone2017-physiology": f"{_STONE_2017}.physiology",
+    "stone2016-fig-4-3": f"{_STONE_2016}.fig_4_3",
+    "stone2016-fig-4-4": f"{_STONE_2016}.fig_4_4",
+    "stone2016-fig-4-5": f"{_STONE_2016}.fig_4_5",
+    "stone2016-fig-4-6": f"{_STONE_2016}.fig_4_6",
+    "stone2016-sampling": f"{_STONE_2016}.sampling",
+    "stone2016-coding": f"{_STONE_2016}.coding",
+    "stone2016-clutter": f"{_STONE_2016}.clutter",
 }
 
 

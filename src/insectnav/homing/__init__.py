@@ -1,4 +1,4 @@
-"""Homing by views: comparison with what is remembered, descent on the distances, and how far they reach."""
+"""Homing by views: comparison with what is remembered, surveys of a place, descent, and how far it leads home."""
 
 from insectnav.homing.catchment import Catchment, catchment_area, cell_centres
 from insectnav.homing.descent import OUTCOMES, Descent, descend, interpolate_surface
@@ -14,6 +14,7 @@ from insectnav.homing.snapshots import (
     turn_views,
     visual_compass,
 )
+from insectnav.homing.survey import distance_from, grid_positions, survey
 
 __all__ = [
     "COMPARISONS",
@@ -27,11 +28,14 @@ __all__ = [
     "descend",
     "difference_by_turn",
     "difference_surface",
+    "distance_from",
     "feature_distance",
+    "grid_positions",
     "interpolate_surface",
     "landmark_home_vector",
     "random_headings",
     "rms_difference",
+    "survey",
     "turn_views",
     "visual_compass",
 ]
