@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError, as_numbers, check_choice, check_finite, check_range, check_shape
-from insectnav.vision.sky_histogram_kernel import weigh_bands
 
 Picture = NDArray[Any]  # (rows, columns) or (rows, columns, band), uint8, uint16 or float32
 Singles = NDArray[np.float32]
@@ -83,6 +82,8 @@ def channel_name(picture: Picture, channels: str | None, *, one: bool) -> str:
 
 def one_channel(picture: Picture, channels: str) -> NDArray[Any]:
     """One channel (rows, columns): bytes where they are the picture's own, single precision in its unit otherwise."""
+    from insectnav.vision.sky_histogram_kernel import weigh_bands
+
     if picture.ndim == 2:
         return picture if picture.dtype == np.uint8 else picture.astype(np.float32)
     weights = ONE_CHANNEL[channels]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.vision.sky_histogram_kernel import LEFT_OUT, steps_across, sum_classes
+from insectnav.vision.sky_levels import LEFT_OUT
 from insectnav.vision.sky_thresholds import N_LEVELS
 
 Bools = NDArray[np.bool_]
@@ -48,6 +48,8 @@ def confidence(values: NDArray[Any], mask: Bools, levels: NDArray[np.uint8]) -> 
     mean change of brightness across the skyline over half the difference of the means of sky and ground, at most 1 at
     each place. Balance is the share of the smaller of both over 1 %, at most 1.
     """
+    from insectnav.vision.sky_histogram_kernel import steps_across, sum_classes
+
     stride = math.ceil(math.sqrt(mask.size / ENOUGH_PIXELS))
     if stride > 1:
         values, mask, levels = (np.ascontiguousarray(one[::stride, ::stride]) for one in (values, mask, levels))

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError, as_numbers, check_choice, check_range
 from insectnav.vision.cameras import Camera
-from insectnav.vision.sky_histogram_kernel import LEFT_OUT
+from insectnav.vision.sky_levels import LEFT_OUT
 from insectnav.vision.sky_thresholds import N_LEVELS
 from insectnav.vision.sphere import azimuth_elevation
 

@@ -3,8 +3,7 @@
 import numpy as np
 
 from insectnav.lanes.compiled import kernel
-
-LEFT_OUT = 255  # elevation level of a pixel that does not count
+from insectnav.vision.sky_levels import LEFT_OUT
 
 
 @kernel

@@ -29,7 +29,6 @@ from insectnav.vision.sky_channels import (
 from insectnav.vision.sky_clusters import kmeans_score, mixture_score
 from insectnav.vision.sky_confidence import chance_of_being_higher, confidence
 from insectnav.vision.sky_geometry import MIN_PIXELS, Bools, Geometry, geometry
-from insectnav.vision.sky_histogram_kernel import split
 from insectnav.vision.sky_thresholds import Histogram, histogram, otsu, watershed_islands, watershed_merge
 from insectnav.vision.skylight import SkylightParams, skylight
 
@@ -214,6 +213,8 @@ def _is_sky_brighter(counts: Histogram, threshold: float) -> bool:
 
 
 def _divided(values: NDArray[Any], threshold: float, is_sky_brighter: bool, where: Geometry) -> Bools:
+    from insectnav.vision.sky_histogram_kernel import split
+
     mask = np.empty(values.size, np.bool_)
     split(np.ravel(values), np.ravel(where.levels), np.float32(threshold), is_sky_brighter, mask)
     return mask.reshape(values.shape)

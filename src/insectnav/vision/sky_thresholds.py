@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.vision.sky_histogram_kernel import LEFT_OUT, count, count_whole_numbers, extremes, persistent_valley
+from insectnav.vision.sky_levels import LEFT_OUT
 
 Reals = NDArray[np.float64]
 
@@ -58,6 +58,8 @@ def histogram(values: NDArray[Any], levels: NDArray[np.uint8], *, zoom: bool = F
     levels : (rows, columns) elevation levels, `LEFT_OUT` where a pixel does not count
     zoom : where the middle 96 % fill but few bins, divide their range alone; what lies beyond goes into the end bins
     """
+    from insectnav.vision.sky_histogram_kernel import count_whole_numbers, extremes
+
     flat, flat_levels = np.ravel(values), np.ravel(levels)
     if flat.dtype == np.uint8:
         counts = np.zeros((N_LEVELS, 256), np.uint32)
@@ -81,6 +83,8 @@ def histogram(values: NDArray[Any], levels: NDArray[np.uint8], *, zoom: bool = F
 
 
 def _count(values: NDArray[Any], levels: NDArray[np.uint8], low: float, high: float) -> Histogram:
+    from insectnav.vision.sky_histogram_kernel import count
+
     counts = np.zeros((N_LEVELS, N_BINS), np.uint32)
     count(values, levels, np.float32(low), np.float32(N_BINS / (high - low)), counts)
     return Histogram(counts=counts.astype(np.int64), low=low, width=(high - low) / N_BINS)
@@ -134,6 +138,8 @@ def watershed_merge(found: Histogram) -> float | None:
 
     None where there is one peak only.
     """
+    from insectnav.vision.sky_histogram_kernel import persistent_valley
+
     heights, edges = _smooth(found)
     order = np.argsort(-heights, kind="stable")
     valley = persistent_valley(heights, order, np.empty(len(heights), np.int64), np.empty(len(heights)))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from insectnav.checks import check_range
 from insectnav.vision.sky_channels import Picture, Singles, one_channel
 from insectnav.vision.sky_geometry import Bools, Geometry
-from insectnav.vision.sky_histogram_kernel import LEFT_OUT, sky_cues
+from insectnav.vision.sky_levels import LEFT_OUT
 from insectnav.vision.sky_thresholds import histogram, upper_of_three_classes
 
 
@@ -153,6 +153,8 @@ def _brightness_and_blueness(
     picture: Picture, levels: NDArray[np.uint8], looks_up: bool, params: SkylightParams
 ) -> tuple[Singles, Singles]:
     """Mean of the bands, and blue with its bonus and penalty; of one band both are the band. White is 1."""
+    from insectnav.vision.sky_histogram_kernel import sky_cues
+
     inside = levels != LEFT_OUT
     brightness = one_channel(picture, "mean").astype(np.float32)
     sample = brightness[::2, ::2][inside[::2, ::2]]
