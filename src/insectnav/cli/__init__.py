@@ -30,7 +30,7 @@ def program() -> None:
     """
     os.environ.setdefault(
         "OPENBLAS_NUM_THREADS", "1"
-    )  # views are on all cores already; more threads wait for each other
+    )  # more of them only wait for each other
     gc.disable()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))  # so that temporary folders are removed
     try:
