@@ -134,6 +134,43 @@ class RotationIndex:
         columns = {name: np.array([one[name] for one in found]) for name in found[0]}
         return RotationMatches(**{name: c.reshape((*lead, *c.shape[1:])) for name, c in columns.items()})
 
+    def differences(self, views: ArrayLike, seen: ArrayLike) -> Reals:
+        """Difference of each reference and each query at the rotation that fits best, (reference, query) float32.
+
+        One less the score of the coarse search, which is not refined: for `seqslam`, which needs all pairs.
+
+        Parameters
+        ----------
+        views, seen
+            As of `match`, with one axis of queries.
+
+        Returns
+        -------
+        (reference, query) array
+            From 0, the same, to 1, or to 2 for the score "correlation", which also stands for too little overlap.
+
+        Raises
+        ------
+        InputError
+            As of `match`, but for the overlap.
+        """
+        from insectnav.matching.rotation_search import best_rotations
+
+        queries, masks, lead = _as_views(views, seen, self.grid)
+        if len(lead) != 1:
+            raise InputError(f"views have shape {np.shape(views)}, expected one axis of queries before the directions")
+        most, params = (1.0 if self.params.score == "difference" else 2.0), self.params
+        found = np.empty((self.n_references, len(queries)), np.float32, order="F")
+        for k, (query, mask) in enumerate(zip(queries, masks, strict=True)):
+            values = _prepared(query, mask, params.score, f"query {k}")
+            fine = self.fine(*values)[0]
+            area = seen_points(fine, self.fine.n_cells, N_POINTS).area
+            least = params.least_overlap * np.minimum(area, self.areas)
+            coarse = self.coarse(*values)[0]
+            scores, _ = best_rotations(coarse, self.coarse.n_cells, self.tilts, self.rings, least, params.score)
+            found[:, k] = np.clip(1.0 - scores, 0.0, most)
+        return found
+
     def _match_one(self, values: Singles, mask: Bools, number: int) -> dict[str, Any]:
         """Fields of the match of one view, (1, direction)."""
         fine = self.fine(values, mask)[0]
