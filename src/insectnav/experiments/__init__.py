@@ -45,6 +45,8 @@ _MODULES = {
     "stone2016-coding": f"{_STONE_2016}.coding",
     "stone2016-clutter": f"{_STONE_2016}.clutter",
     "stone2016-fig-5": f"{_STONE_2016_PLACES}.fig_5",
+    "stone2016-fig-8": f"{_STONE_2016_PLACES}.fig_8",
+    "stone2016-fig-9": f"{_STONE_2016_PLACES}.fig_9",
 }
 
 
