@@ -22,6 +22,7 @@ from insectnav.vision.resampling import Resampler, resampler
 from insectnav.vision.sensor import MID_GREY, Sensor, auto_exposure, expose, white_balance
 from insectnav.vision.sky_segmentation import segment
 from insectnav.vision.sphere import SphereGrid, gauss_legendre, rotation_matrix, thesis, to_eye
+from insectnav.worlds.rays import SKY, cast_rays
 from insectnav.worlds.sky import Sky
 from insectnav.worlds.views import render
 
@@ -117,14 +118,15 @@ def _record(section: Section, chosen: NDArray[np.int64], seed: int) -> Recorded:
         world, *pose, camera=camera, layers=(*bands, "sky"), supersampling=section.supersampling, workers=1
     )
     sun = np.asarray(world.sky.sun, np.float64)
-    share = render(world, pose[0], np.zeros(len(chosen)), directions=sun[None], layers=("sky",), workers=1)["sky"]
+    # Not by `render`, which looks long for a solid about each eye that sees no sky, as these do in the shade.
+    met, _ = cast_rays(world.shape, pose[0], np.broadcast_to(sun, (len(chosen), 1, 3)))
     light = add_lens_flare(
         np.stack([layers[band] for band in bands], axis=-1).astype(np.float64),
         camera,
         to_eye(np.broadcast_to(sun, (len(chosen), 3)), rotation_matrix(*pose[1:])),
         world.sky.sun_irradiance(bands),
         LENS,
-        visible_share=share[:, 0],
+        visible_share=(met[:, 0] == SKY).astype(np.float64),
         sun_diameter=world.sky.sun_diameter,
         has_bands=True,
     )

@@ -142,10 +142,10 @@ def by_rotation(reference: Arrays, query: Arrays, truth: Floats, size: int) -> B
     """Skies compared at every relative rotation, where both cameras saw."""
     index, seen = rotation_index(reference, size), sky_sampler(size, "rings").seen
     views = skies(query)
-    found = index.match(views, seen)
+    found, compared = index.match_and_compare(views, seen)
     return ByRotation(
         single=Recognised(reference=found.reference, score=found.ratio, truth=truth),
-        matrix=index.differences(views, seen),
+        matrix=compared.T,
         tilt=found.tilt,
     )
 
