@@ -47,6 +47,7 @@ _MODULES = {
     "stone2016-fig-5": f"{_STONE_2016_PLACES}.fig_5",
     "stone2016-fig-8": f"{_STONE_2016_PLACES}.fig_8",
     "stone2016-fig-9": f"{_STONE_2016_PLACES}.fig_9",
+    "stone2016-cost": f"{_STONE_2016_PLACES}.cost",
 }
 
 

@@ -120,7 +120,7 @@ def draw(results: Results) -> Figure:
             axes = panels[row, column]
             draw_correspondence(axes, answers[apart, method])
             if row == 0:
-                axes.set_title(method)
+                axes.set_title(method, loc="left")
             if column == 0:
                 axes.set_ylabel(f"{apart}°: reference frame")
             if row == len(SHOWN_DEG) - 1:
@@ -158,9 +158,9 @@ def caption(results: Results) -> str:
     length = 520.0 * n / results.cells[0].of_frames
     return (
         f"Rendered, no photographs: {length:.0f} m of a built city, eight passages of n = {n} frames at tilts of the "
-        "camera from −30° to 30°, each with its own lane, sway, speed, time, clouds and traffic. (a) One place from two "
-        "cameras tilted 60° apart. (b) Matches of passages tilted 20°, 40° and 60° apart; green: within 5 frames of the "
-        "truth, red: farther off; line: truth. Columns: SeqSLAM on patch-normalised grey pictures, on "
+        "camera from −30° to 30°, each with its own lane, sway, speed, time, clouds and traffic. (a) One place from "
+        "two cameras tilted 60° apart. (b) Matches of passages tilted 20°, 40° and 60° apart; green: within 5 frames "
+        "of the truth, red: farther off; line: truth. Columns: SeqSLAM on patch-normalised grey pictures, on "
         "spherical-harmonic amplitudes of the sky, and on the difference of skies at the rotation that fits best; "
         "sequences of 10 frames. (c–e) Precision over recall for each difference of tilt."
     )

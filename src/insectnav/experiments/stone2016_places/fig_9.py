@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.published import Published, Verdict
 from insectnav.experiments.stone2016_places.car_runs import (
-    car_sections,
     caption_of,
+    car_sections,
     compare_runs,
     draw_runs,
     simulate_section,

@@ -114,9 +114,7 @@ def _record(section: Section, chosen: NDArray[np.int64], seed: int) -> Recorded:
     poses = poses_of(site, ground_of(*place), section.passage, section.of_frames, seed)
     pose = tuple(np.asarray(value)[chosen] for value in (poses.position, poses.heading, poses.pitch, poses.roll))
     bands = ("uv", *VISIBLE)
-    layers = render(
-        world, *pose, camera=camera, layers=(*bands, "sky"), supersampling=section.supersampling, workers=1
-    )
+    layers = render(world, *pose, camera=camera, layers=(*bands, "sky"), supersampling=section.supersampling, workers=1)
     sun = np.asarray(world.sky.sun, np.float64)
     # Not by `render`, which looks long for a solid about each eye that sees no sky, as these do in the shade.
     met, _ = cast_rays(world.shape, pose[0], np.broadcast_to(sun, (len(chosen), 1, 3)))

@@ -26,7 +26,8 @@ ON_CAR = Jitter(
     lateral=0.2, correlation_length=1.5,
 )  # fmt: skip
 SPEED_WAVES = ((4.0, 0.08), (9.0, 0.05))  # periods along the way, share of the mean speed; assumed
-ZIGZAG_FROM, ZIGZAG_LENGTH, ZIGZAG_YAW = 0.7, 9.0, float(np.deg2rad(35.0))  # share of the way, [m], [rad]; assumed
+# Share of the way where the zig-zag begins, length of a swing [m], largest turn off the course [rad]; assumed
+ZIGZAG_FROM, ZIGZAG_LENGTH, ZIGZAG_YAW = 0.7, 9.0, float(np.deg2rad(35.0))
 SECONDS_APART = 397.0  # between passages, for what moves
 
 
@@ -148,11 +149,11 @@ def poses_of(site: Site, ground: Ground, number: int, n_frames: int, seed: int) 
 
 
 def _zigzagging(poses: Poses, share: Floats, course: Floats) -> Poses:
-    """The same with a heading that swings to both sides towards the end, and the way that follows from it."""
+    """The same on a way that swings to both sides towards the end, with the heading that follows from it."""
     angle = 2.0 * np.pi * poses.distance / ZIGZAG_LENGTH
-    strength = np.clip((share - ZIGZAG_FROM) / 0.02, 0.0, 1.0) * ZIGZAG_YAW
-    aside = -strength * ZIGZAG_LENGTH / (2.0 * np.pi) * np.cos(angle)
+    slope = np.clip((share - ZIGZAG_FROM) / 0.02, 0.0, 1.0) * np.tan(ZIGZAG_YAW)
+    aside = -slope * ZIGZAG_LENGTH / (2.0 * np.pi) * np.cos(angle)
     right = np.stack([np.cos(course), -np.sin(course)], axis=-1)
     position = np.array(poses.position)
     position[:, :2] += aside[:, None] * right
-    return replace(poses, position=position, heading=poses.heading + strength * np.sin(angle))
+    return replace(poses, position=position, heading=poses.heading + np.arctan(slope * np.sin(angle)))

@@ -25,7 +25,12 @@ from insectnav.metrics.retrieval import (
 
 TOLERANCE = 5  # [frame] section IV-B
 SEQUENCE = 10  # [frame] ds, section IV-B
-FLAT_BLOCK = (4, 8, 8, 8)  # rows and columns of patches of 32 × 64 pixels: patch row, its rows, patch column, its columns
+FLAT_BLOCK = (
+    4,
+    8,
+    8,
+    8,
+)  # rows and columns of patches of 32 × 64 pixels: patch row, its rows, patch column, its columns
 BLOCK = 20  # [frame] that the bootstrap draws together: neighbours are right or wrong together
 N_DRAWN = 200
 VANILLA, SKY, ROTATION, FABMAP = "SeqSLAM (vanilla)", "SeqSLAM (sky)", "rotation matching", "FAB-MAP"
@@ -158,4 +163,3 @@ def rotation_index(arrays: Arrays, size: int) -> RotationIndex:
 def truth_between(reference: Arrays, query: Arrays) -> Floats:
     """True place of each query [reference frame]; frames count from the first that was rendered."""
     return true_references(reference["distance"], query["distance"])
-

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from insectnav.angles import Floats
 from insectnav.records import Mesh
@@ -22,6 +23,7 @@ from insectnav.worlds.shapes import Part, box, frustum, generator, joined, mesh_
 from insectnav.worlds.street import StreetParams, suburban_street
 from insectnav.worlds.ways import distance_to_way
 
+Bools = npt.NDArray[np.bool_]
 HELMET, RC_CAR = 1.9, 0.3  # [m] above the ground: a camera on a cyclist's helmet, on a remote-controlled car; assumed
 CYCLING, RC_DRIVING = 5.0, 3.0  # [m/s] assumed
 FOREST_END, GARDENS_END = 260.0, 450.0  # [m] along +y, of the BMX track
@@ -97,7 +99,7 @@ def disposal_site(seed: int, time_s: float) -> Ground:
     way = np.stack([5.0 * np.sin(2.0 * np.pi * y / 260.0), y], axis=-1)
     side_road = np.array([[0.0, JUNCTION], [TREES_BESIDE + 15.0, JUNCTION + 4.0]])
 
-    def is_free(place: Floats) -> Floats:
+    def is_free(place: Floats) -> Bools:
         x, along = place.T
         yard = (x < -3.0) & (along > DISPOSAL[0]) & (along < DISPOSAL[1])
         hut = (x > 3.0) & (x < 16.0) & (np.abs(along - HUT) < 7.0)
@@ -121,7 +123,7 @@ def _forest(
     conifer_share: float,
     tree_height: tuple[float, float] = (11.0, 20.0),
     half_width: float = 1.5,
-    is_free: Callable[[Floats], Floats] | None = None,
+    is_free: Callable[[Floats], Bools] | None = None,
 ) -> list[Part]:
     """Trees and undergrowth in a rectangle; nothing but crowns within `half_width` [m] of the way."""
     rng = generator(seed, "place forest")
