@@ -143,11 +143,11 @@ def draw_runs(results: Results) -> Figure:
     figure = Figure(figsize=(DOUBLE_COLUMN, 5.6), layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=(1.25, 4.2))
     _draw_examples(parts[0], results)
-    panels = parts[1].subplot_mosaic([["b", "c", "f"], ["d", "e", "f"]], width_ratios=(1.0, 1.0, 1.25))
+    panels = parts[1].subplot_mosaic([["b", "c", "f"], ["d", "e", "f"]], width_ratios=(1.0, 1.0, 1.15))
     shown = {"b": (FABMAP, 1), "c": (VANILLA, 10), "d": (SKY, 10), "e": (SINGLE, 1)}
     for letter, key in shown.items():
         draw_correspondence(panels[letter], answers[key])
-        name_panel(panels[letter], letter, key[0])
+        name_panel(panels[letter], letter, key[0].removesuffix(", single frames"))
         if letter in "bd":
             panels[letter].set_ylabel("reference frame")
         if letter in "de":
@@ -166,7 +166,7 @@ def draw_runs(results: Results) -> Figure:
     name_panel(panels["f"], "f", "precision and recall")
     panels["f"].set_xlabel("recall (%)")
     panels["f"].set_ylabel("precision (%)")
-    panels["f"].legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2, columnspacing=1.0, handlelength=1.8)
+    parts[1].legend(loc="outside lower center", ncols=4)
     return figure
 
 

@@ -153,14 +153,17 @@ def draw(results: Results) -> Figure:
     measured = results["milliseconds"]
     middle, place = np.median(measured, axis=0), np.arange(len(WAYS))
     spread = np.abs(np.stack([measured.min(axis=0), measured.max(axis=0)]) - middle)
-    colours = [COLOURS["blue"] if name in (RINGS, POINTS) else COLOURS["grey"] for name in WAYS]
-    axes.barh(place, middle, xerr=spread, color=colours, error_kw={"linewidth": 0.6, "capsize": 1.5})
-    axes.plot([40.0], [WAYS.index(POINTS)], "D", color=COLOURS["orange"], markersize=4, label="published, 40 ms")
+    for chosen, colour in ((True, "blue"), (False, "grey")):
+        some = np.array([(name in (RINGS, POINTS)) == chosen for name in WAYS])
+        axes.errorbar(middle[some], place[some], xerr=spread[:, some], fmt="o", color=COLOURS[colour], markersize=4)
+    axes.plot([40.0], [WAYS.index(POINTS)], "D", color=COLOURS["orange"], markersize=4)
+    axes.annotate("published", (40.0, WAYS.index(POINTS) - 0.3), ha="center", fontsize=6.0)
+    axes.set_xlim(0.01, 100.0)
+    axes.grid(axis="x", linewidth=0.3)
     axes.set_yticks(place, list(WAYS))
     axes.invert_yaxis()
     axes.set_xscale("log")
     axes.set_xlabel("time of one core for a frame (ms)")
-    axes.legend(loc="lower right")
     return figure
 
 
