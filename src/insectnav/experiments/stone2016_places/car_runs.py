@@ -20,7 +20,9 @@ from insectnav.experiments.stone2016_places.recognition import (
     NEUTRAL,
     POINTS,
     ROTATION,
+    ROTATION_LOCAL,
     SKY,
+    SKY_WHOLE,
     TRUE,
     VANILLA,
     Recognised,
@@ -83,7 +85,12 @@ def recognised(results: Results) -> dict[tuple[str, int], Recognised]:
         answers |= {(method, length): in_sequences(matrix, truth, length) for length in LENGTHS}
     found = by_rotation(reference, query, truth, cell.size)
     answers[SINGLE, 1] = found.single
-    return answers | {(ROTATION, length): in_sequences(found.matrix, truth, length) for length in LENGTHS}
+    for length in LENGTHS:
+        answers[ROTATION, length] = in_sequences(found.matrix, truth, length, whole_contrast=True)
+        answers[ROTATION_LOCAL, length] = in_sequences(found.matrix, truth, length)
+        sky = differences(reference, query, SKY)
+        answers[SKY_WHOLE, length] = in_sequences(sky, truth, length, whole_contrast=True)
+    return answers
 
 
 def _by_words(results: Results, reference: NDArray[Any], query: NDArray[Any], truth: NDArray[Any]) -> Recognised:
@@ -241,7 +248,7 @@ def _less(row: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, floa
 
 def _why(rows: Mapping[tuple[str, int], Mapping[str, Any]]) -> str:
     """What was measured of the causes: exact masks, flat patches, and matching in the overlap alone."""
-    shown = [(TRUE, 10), (POINTS, 10), (NEUTRAL, 10), (SINGLE, 1)]
+    shown = [(TRUE, 10), (SKY_WHOLE, 10), (POINTS, 10), (NEUTRAL, 10), (SINGLE, 1)]
     parts = [f"{method} (w = {w}) {rows[method, w]['precision_at_full_recall']:.0f}" for method, w in shown]
     right = rows[SKY, 10]["sky_labelled_right"]
     return (

@@ -14,12 +14,21 @@ from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2016_places.frames import FULL_SIZE, Section, keep, sections
 from insectnav.experiments.stone2016_places.panels import draw_correspondence, draw_curve, draw_frame
-from insectnav.experiments.stone2016_places.passages import SECONDS_APART, SITE_SEEDS, TILTS_DEG
+from insectnav.experiments.stone2016_places.passages import (
+    LEVEL,
+    PASSAGES,
+    SECONDS_APART,
+    SITE_SEEDS,
+    TILTS_DEG,
+    drawn_as,
+)
 from insectnav.experiments.stone2016_places.recognition import (
     NEUTRAL,
     POINTS,
     ROTATION,
+    ROTATION_LOCAL,
     SKY,
+    SKY_WHOLE,
     TRUE,
     VANILLA,
     Recognised,
@@ -29,6 +38,7 @@ from insectnav.experiments.stone2016_places.recognition import (
     passage_arrays,
     truth_between,
 )
+from insectnav.experiments.stone2016_places.sites import CITY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,8 +50,12 @@ SITE = "City"
 PAIRS = {0: (3, 4), 10: (4, 5), 20: (2, 5), 30: (2, 6), 40: (1, 6), 50: (1, 7), 60: (0, 7)}
 SHOWN_DEG = (20, 40, 60)
 SINGLE = f"{ROTATION}, single frames"
-METHODS = (VANILLA, SKY, ROTATION, SINGLE, NEUTRAL, POINTS, TRUE)
+METHODS = (VANILLA, SKY, ROTATION, SINGLE, NEUTRAL, POINTS, TRUE, SKY_WHOLE, ROTATION_LOCAL)
 DRAWN = (VANILLA, SKY, ROTATION)
+# The level passages over the first part of the way: as they are, and what they would be without clouds or sway.
+AS_RIDDEN = "as ridden"
+VARIATIONS = {AS_RIDDEN: LEVEL, "no clouds": (8, 9), "no sway": (10, 11), "neither": (12, 13)}
+VARIED_FRAMES = {"full": 195, "quick": 48}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,16 +66,17 @@ class Cell(Section):
 def grid(scale: str) -> Sequence[Cell]:
     """Eight passages of 520 frames; or 48 frames of each, in small pictures, with nothing that moves between them."""
     if scale == "full":
-        how: dict[str, Any] = {"stretch": 1.0, "each": 65, "size": FULL_SIZE, "supersampling": 2}
+        how: dict[str, Any] = {"each": 65, "size": FULL_SIZE, "supersampling": 2}
+        stretches = (1.0, VARIED_FRAMES[scale] / CITY.n_frames)
     else:
-        how = {"stretch": 0.1, "each": 48, "size": 96, "supersampling": 1}
-    return [
-        Cell(**vars(section))
-        for number in range(len(TILTS_DEG))
-        for section in sections(
-            SITE, number, seed=SITE_SEEDS[SITE], time_s=SECONDS_APART * number * (scale == "full"), **how
-        )
-    ]
+        how = {"each": 48, "size": 96, "supersampling": 1}
+        stretches = (0.1, 0.1)
+    found = []
+    for number in range(len(PASSAGES[SITE])):
+        time_s = SECONDS_APART * drawn_as(SITE, number) * (scale == "full")
+        stretch = stretches[number >= len(TILTS_DEG)]
+        found += sections(SITE, number, seed=SITE_SEEDS[SITE], stretch=stretch, time_s=time_s, **how)
+    return [Cell(**vars(section)) for section in found]
 
 
 def simulate(cell: Cell, seed: int) -> Arrays:
@@ -74,36 +89,62 @@ def recognised(results: Results) -> tuple[dict[tuple[int, str], Recognised], dic
     """Answers by difference of tilt and method, and the median error of the tilt found [°] by difference of tilt."""
     answers, tilt_errors = {}, {}
     size = results.cells[0].size
-    for apart, (first, second) in PAIRS.items():
-        reference, query = (passage_arrays(results, SITE, SITE_SEEDS[SITE], number) for number in (first, second))
+    for apart, pair in PAIRS.items():
+        reference, query = (passage_arrays(results, SITE, SITE_SEEDS[SITE], number) for number in pair)
         truth = truth_between(reference, query)
         for method in (VANILLA, NEUTRAL, SKY, POINTS, TRUE):
             answers[apart, method] = in_sequences(differences(reference, query, method), truth)
+        sky = differences(reference, query, SKY)
+        answers[apart, SKY_WHOLE] = in_sequences(sky, truth, whole_contrast=True)
         found = by_rotation(reference, query, truth, size)
-        answers[apart, ROTATION], answers[apart, SINGLE] = in_sequences(found.matrix, truth), found.single
+        answers[apart, ROTATION] = in_sequences(found.matrix, truth, whole_contrast=True)
+        answers[apart, ROTATION_LOCAL] = in_sequences(found.matrix, truth)
+        answers[apart, SINGLE] = found.single
         tilt_errors[apart] = float(np.median(np.rad2deg(found.tilt[found.single.is_right]) - apart))
     return answers, tilt_errors
 
 
-def summarise(results: Results) -> Table:
-    """A row for each difference of tilt and method."""
-    answers, tilt_errors = recognised(results)
-    accuracy = results["accuracy"]
-    rows = []
-    for (apart, method), answer in answers.items():
-        cells = np.concatenate([results.where(passage=number) for number in PAIRS[apart]])
-        rows.append(
-            {
-                "tilt_difference_deg": apart,
-                "method": method,
-                "kind": "rendered",
-                "n": int(np.isfinite(answer.score).sum()),
-                **answer.findings(),
-                "sky_labelled_right": float(accuracy[cells].mean()),
-                "tilt_found_less_true_deg": tilt_errors[apart] if method == SINGLE else float("nan"),
-            }
+def varied(results: Results) -> dict[tuple[str, str], Recognised]:
+    """Answers for the level passages over the first part of the way, by variation and method."""
+    answers = {}
+    for name, pair in VARIATIONS.items():
+        reference, query = (
+            {key: values[: VARIED_FRAMES["full"]] for key, values in passage.items()}
+            for passage in (passage_arrays(results, SITE, SITE_SEEDS[SITE], number) for number in pair)
         )
-    return rows
+        truth = truth_between(reference, query)
+        for method in (VANILLA, SKY):
+            answers[name, method] = in_sequences(differences(reference, query, method), truth)
+    return answers
+
+
+def summarise(results: Results) -> Table:
+    """A row for each difference of tilt and method, and for each variation of the level passages."""
+    answers, tilt_errors = recognised(results)
+    accuracy = {number: float(results["accuracy"][cells].mean()) for number, cells in results.by("passage").items()}
+    rows = [
+        _row(apart, method, "whole way", answer, PAIRS[apart], accuracy)
+        | {"tilt_found_less_true_deg": tilt_errors[apart] if method == SINGLE else float("nan")}
+        for (apart, method), answer in answers.items()
+    ]
+    return rows + [
+        _row(0, method, name, answer, VARIATIONS[name], accuracy) | {"tilt_found_less_true_deg": float("nan")}
+        for (name, method), answer in varied(results).items()
+    ]
+
+
+def _row(
+    apart: int, method: str, part: str, answer: Recognised, pair: tuple[int, int], accuracy: Mapping[int, float]
+) -> dict[str, Any]:
+    return {
+        "tilt_difference_deg": apart,
+        "method": method,
+        "passages": part,
+        "kind": "rendered",
+        "n": int(np.isfinite(answer.score).sum()),
+        **answer.findings(),
+        "sky_labelled_right": float(np.mean([accuracy[number] for number in pair])),
+    }
 
 
 def draw(results: Results) -> Figure:
@@ -134,7 +175,7 @@ def draw(results: Results) -> Figure:
         name_panel(axes, letter, method)
         axes.set_xlabel("recall (%)")
     below[0].set_ylabel("precision (%)")
-    below[0].legend(title="tilt apart", loc="lower left", ncols=2)
+    below[1].legend(title="tilt apart", loc="lower left", ncols=2)
     return figure
 
 
@@ -161,28 +202,33 @@ def caption(results: Results) -> str:
         "camera from −30° to 30°, each with its own lane, sway, speed, time, clouds and traffic. (a) One place from "
         "two cameras tilted 60° apart. (b) Matches of passages tilted 20°, 40° and 60° apart; green: within 5 frames "
         "of the truth, red: farther off; line: truth. Columns: SeqSLAM on patch-normalised grey pictures, on "
-        "spherical-harmonic amplitudes of the sky, and on the difference of skies at the rotation that fits best; "
-        "sequences of 10 frames. (c–e) Precision over recall for each difference of tilt."
+        "spherical-harmonic amplitudes of the sky, and on the difference of skies at the rotation that fits best (its "
+        "contrast over all references); sequences of 10 frames. (c–e) Precision over recall by difference of tilt."
     )
 
 
 def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdict]:
     """Recall at full precision, and the claims of section V-A."""
-    rows = {(row["tilt_difference_deg"], row["method"]): row for row in table}
+    rows = {(row["tilt_difference_deg"], row["method"]): row for row in table if row["passages"] == "whole way"}
     recall = "recall_at_full_precision"
 
-    def area_lost(method: str) -> float:
-        return float(rows[0, method]["area"] - rows[60, method]["area"])
+    def lost(method: str) -> tuple[float, float]:
+        return _less(rows[0, method], rows[60, method])
 
+    def kept(method: str) -> float:
+        return 100.0 * float(rows[60, method]["area"] / max(rows[0, method]["area"], 1e-9))
+
+    less = lost(VANILLA)[0] - lost(SKY)[0]
     ours: dict[str, tuple[float, float]] = {
         "recall at full precision, sky, 60°": _with_error(rows[60, SKY], recall),
         "recall at full precision, vanilla, 50°": _with_error(rows[50, VANILLA], recall),
         "recall at full precision, vanilla, 60°": _with_error(rows[60, VANILLA], recall),
         "area of sky less that of vanilla, 0°": _less(rows[0, SKY], rows[0, VANILLA]),
-        "area lost from 0° to 60°, vanilla less sky": (area_lost(VANILLA) - area_lost(SKY), 0.0),
+        "area lost from 0° to 60°, vanilla less sky": (less, float(np.hypot(lost(VANILLA)[1], lost(SKY)[1]))),
+        "share of the area at 0° kept at 60°, sky less vanilla": (kept(SKY) - kept(VANILLA), 0.0),
     } | {f"area of sky less that of vanilla, {apart}°": _less(rows[apart, SKY], rows[apart, VANILLA])
          for apart in SHOWN_DEG}  # fmt: skip
-    why = _why(rows)
+    why = _why(rows, [row for row in table if row["passages"] != "whole way"])
     return [judge(value, *ours[value.quantity], why=why) for value in published.values()]
 
 
@@ -195,14 +241,16 @@ def _less(row: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, floa
     return float(row["area"] - other["area"]), float(error)
 
 
-def _why(rows: Mapping[tuple[int, str], Mapping[str, Any]]) -> str:
-    """What was measured of the causes: exact masks, flat patches, and matching in the overlap alone."""
-    parts = [
-        f"{apart}°: " + ", ".join(f"{method} {rows[apart, method]['area']:.0f}" for method in METHODS)
+def _why(rows: Mapping[tuple[int, str], Mapping[str, Any]], varied_rows: Sequence[Mapping[str, Any]]) -> str:
+    """What was measured of the causes: clouds, sway, exact masks, and matching in the overlap alone."""
+    tilts = [
+        f"{apart}°: "
+        + ", ".join(f"{method} {rows[apart, method]['area']:.0f}" for method in (VANILLA, SKY, TRUE, SINGLE))
         for apart in (0, 20, 40, 60)
     ]
+    level = [f"{row['passages']} {row['area']:.0f}" for row in varied_rows if row["method"] == VANILLA]
     right = np.mean([row["sky_labelled_right"] for row in rows.values()])
     return (
         f"rendered, another place; sky labelled right in {right:.1f} % of the pixels; area under precision over recall "
-        f"in percent at {'; '.join(parts)}"
+        f"in percent at {'; '.join(tilts)}; of vanilla at 0° over the first part of the way: {', '.join(level)}"
     )

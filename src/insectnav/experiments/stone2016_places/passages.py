@@ -44,6 +44,7 @@ class Passage:
     jitter : how it sways
     lane : half the range of the passages' distance to the middle of the way, to its right or left [m]
     has_zigzag : whether the end is driven in a zig-zag
+    as_passage : number of the passage whose lane, speed, sway and traffic it has; -1 for its own
     """
 
     clock: str
@@ -53,6 +54,7 @@ class Passage:
     lane: float
     tilt_deg: float = 0.0
     has_zigzag: bool = False
+    as_passage: int = -1
 
     @property
     def sky(self) -> Sky:
@@ -73,6 +75,14 @@ IN_CITY = tuple(
     )
     for k, tilt in enumerate(TILTS_DEG)
 )  # fmt: skip
+# The level passages again, to tell what spoils the matching of grey pictures: without clouds, sway, or both.
+STEADY = Jitter(lateral=ON_HELMET.lateral, correlation_length=ON_HELMET.correlation_length)
+LEVEL = 3, 4
+VARIED = tuple(
+    replace(IN_CITY[number], weather=weather, jitter=jitter, as_passage=number)
+    for weather, jitter in (("clear", ON_HELMET), ("scattered", STEADY), ("clear", STEADY))
+    for number in LEVEL
+)
 # "on two different days, at different times of day"; which days, times and weathers is assumed.
 ON_TRACK = (
     Passage(clock="2015-07-20T09:30", weather="scattered", cloud_seed=5, jitter=ON_CAR, lane=0.3),
@@ -82,8 +92,14 @@ AT_YARD = (
     Passage(clock="2015-07-27T09:00", weather="broken", cloud_seed=7, jitter=ON_CAR, lane=0.3),
     Passage(clock="2015-07-30T13:00", weather="scattered", cloud_seed=8, jitter=ON_CAR, lane=0.3, has_zigzag=True),
 )
-PASSAGES = {"City": IN_CITY, "BMX Track": ON_TRACK, "Disposal Site": AT_YARD}
+PASSAGES = {"City": IN_CITY + VARIED, "BMX Track": ON_TRACK, "Disposal Site": AT_YARD}
 SITE_SEEDS = {"City": 3, "BMX Track": 11, "Disposal Site": 21}
+
+
+def drawn_as(site: str, number: int) -> int:
+    """Number of the passage whose lane, speed, sway and traffic a passage has: its own, as a rule."""
+    other = PASSAGES[site][number].as_passage
+    return number if other < 0 else other
 
 
 @lru_cache(maxsize=1)
@@ -110,7 +126,7 @@ def distances(site: Site, number: int, n_frames: int, seed: int) -> Floats:
 
     The speed is 1 + Σ a sin(2π (f s + φ)) of the mean, s the share of the way, f and a of `SPEED_WAVES`, φ at random.
     """
-    phase = generator(seed, f"speed {site.name} {number}").random(len(SPEED_WAVES))
+    phase = generator(seed, f"speed {site.name} {drawn_as(site.name, number)}").random(len(SPEED_WAVES))
     share = np.arange(n_frames) / max(n_frames - 1, 1)
     way = share.copy()
     for (count, strength), start in zip(SPEED_WAVES, phase, strict=True):
@@ -137,10 +153,11 @@ def poses_of(site: Site, ground: Ground, number: int, n_frames: int, seed: int) 
     """
     passage = PASSAGES[site.name][number]
     along = distances(site, number, n_frames, seed)
-    lane = passage.lane * (2.0 * generator(seed, f"lane {site.name} {number}").random() - 1.0)
+    drawn = drawn_as(site.name, number)
+    lane = passage.lane * (2.0 * generator(seed, f"lane {site.name} {drawn}").random() - 1.0)
     poses = carried(ground.way, along, offset=lane, speed=site.speed)
     course = np.asarray(poses.heading)
-    poses = swayed(poses, passage.jitter, seed=seed + 100 * number + 1, course=course)
+    poses = swayed(poses, passage.jitter, seed=seed + 100 * drawn + 1, course=course)
     if passage.has_zigzag:
         poses = _zigzagging(poses, along / site.length, course)
     position = np.array(poses.position)

@@ -35,6 +35,7 @@ BLOCK = 20  # [frame] that the bootstrap draws together: neighbours are right or
 N_DRAWN = 200
 VANILLA, SKY, ROTATION, FABMAP = "SeqSLAM (vanilla)", "SeqSLAM (sky)", "rotation matching", "FAB-MAP"
 POINTS, TRUE, NEUTRAL = f"{SKY}, 2000 points", f"{SKY}, exact masks", f"{VANILLA}, flat patches neutral"
+SKY_WHOLE, ROTATION_LOCAL = f"{SKY}, contrast over all references", f"{ROTATION}, contrast of neighbours"
 Arrays = Mapping[str, NDArray[Any]]
 
 
@@ -123,9 +124,17 @@ def neutral_patches(patches: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.where(is_flat, np.uint8(127), blocks).reshape(patches.shape)
 
 
-def in_sequences(matrix: Floats, truth: Floats, sequence_length: int = SEQUENCE) -> Recognised:
-    """Answers of SeqSLAM as of OpenSeqSLAM v1, from a matrix (reference, query)."""
-    found = seqslam(matrix, replace(OPENSEQSLAM_V1, sequence_length=sequence_length), workers=1)
+def in_sequences(
+    matrix: Floats, truth: Floats, sequence_length: int = SEQUENCE, *, whole_contrast: bool = False
+) -> Recognised:
+    """Answers of SeqSLAM as of OpenSeqSLAM v1, from a matrix (reference, query).
+
+    With `whole_contrast` each difference is measured against those to all references instead of the ten next to it.
+    """
+    params = replace(OPENSEQSLAM_V1, sequence_length=sequence_length)
+    if whole_contrast:
+        params = replace(params, contrast_window=2 * len(matrix))
+    found = seqslam(matrix, params, workers=1)
     return Recognised(reference=found.reference, score=found.score, truth=truth)
 
 
@@ -136,7 +145,11 @@ def skies(arrays: Arrays) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ByRotation:
-    """What the matching over all rotations gives: answers of single frames, and a matrix for sequences."""
+    """What the matching over all rotations gives: answers of single frames, and a matrix for sequences.
+
+    Sequences are found with `in_sequences`, contrast over all references: that of neighbours takes the difference
+    between one part of the way and another away, which a mask of the sky, unlike grey pictures, tells in any light.
+    """
 
     single: Recognised
     matrix: Floats
