@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.experiments.experiment import Arrays
-from insectnav.experiments.stone2016_places.passages import PASSAGES, distances, ground_of, lit_passage, poses_of
+from insectnav.experiments.stone2016_places.passages import PASSAGES, ground_of, lit_passage, poses_of
 from insectnav.experiments.stone2016_places.sites import SITES
 from insectnav.vision.cameras import Camera, fisheye
 from insectnav.vision.descriptors import patch_normalised, sphere_amplitudes
@@ -65,6 +65,11 @@ class Section:
     size: int = FULL_SIZE
     supersampling: int = 2
 
+    @property
+    def place(self) -> tuple[str, int, float]:
+        """Site, seed and time, as `passages.ground_of` takes them."""
+        return self.site, self.site_seed, self.time_s
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Recorded:
@@ -109,9 +114,8 @@ def record(section: Section, seed: int) -> Recorded:
 
 def _record(section: Section, chosen: NDArray[np.int64], seed: int) -> Recorded:
     site, camera = SITES[section.site], camera_of(section.size)
-    place = section.site, section.site_seed, section.time_s
-    world = lit_passage(*place, section.passage)
-    poses = poses_of(site, ground_of(*place), section.passage, section.of_frames, seed)
+    world = lit_passage(*section.place, section.passage)
+    poses = poses_of(site, ground_of(*section.place), section.passage, section.of_frames, seed)
     pose = tuple(np.asarray(value)[chosen] for value in (poses.position, poses.heading, poses.pitch, poses.roll))
     bands = ("uv", *VISIBLE)
     layers = render(world, *pose, camera=camera, layers=(*bands, "sky"), supersampling=section.supersampling, workers=1)
@@ -170,14 +174,17 @@ def keep(section: Section, seed: int, *, with_pictures: bool) -> Arrays:
     right = (masks == recorded.sky)[:, seen].mean(axis=1)
     grey = recorded.grey
     show = len(grey) // 2
-    along = distances(SITES[section.site], section.passage, section.of_frames, seed)
+    poses = poses_of(SITES[section.site], ground_of(*section.place), section.passage, section.of_frames, seed)
+    chosen = slice(section.first, section.first + section.n_frames)
+    orientation = np.stack([poses.heading, poses.pitch, poses.roll], axis=-1)
     arrays: dict[str, Any] = {
         "amplitudes": (("frame", "band"), _amplitudes(rings, sky_grid())),
         "point_amplitudes": (("frame", "band"), _amplitudes(points, thesis())),
         "true_amplitudes": (("frame", "band"), _amplitudes(true_rings, sky_grid())),
         "patches": (("frame", "pixel"), patch_normalised(grey, rounded=True, flat_patch=NOTHING)),
         "sky": (("frame", "byte"), np.packbits(rings >= 0.5, axis=-1), {"units": "bits on gauss-legendre 120"}),
-        "distance": (("frame",), along[section.first :][: section.n_frames], {"units": "m"}),
+        "distance": (("frame",), np.asarray(poses.distance)[chosen], {"units": "m"}),
+        "orientation": (("frame", "angle"), orientation[chosen], {"units": "rad of heading, pitch and roll"}),
         "accuracy": (("frame",), 100.0 * right, {"units": "percent"}),
         "sky_share": (("frame",), recorded.sky[:, seen].mean(axis=1)),
         "shown_visible": (("row", "column", "colour"), recorded.visible[show]),

@@ -12,7 +12,7 @@ from insectnav.angles import Floats
 from insectnav.experiments.experiment import Results
 from insectnav.experiments.stone2016_places.frames import sky_grid, sky_sampler
 from insectnav.experiments.stone2016_places.passages import true_references
-from insectnav.matching import OPENSEQSLAM_V1, build_rotation_index, difference_matrix, seqslam
+from insectnav.matching import OPENSEQSLAM_V1, build_rotation_index, difference_matrix, rotation_between, seqslam
 from insectnav.matching.rotation import RotationIndex
 from insectnav.metrics.retrieval import (
     PrecisionRecall,
@@ -22,6 +22,7 @@ from insectnav.metrics.retrieval import (
     recall_at_full_precision,
     right_matches,
 )
+from insectnav.vision.sphere import rotation_matrix
 
 TOLERANCE = 5  # [frame] section IV-B
 SEQUENCE = 10  # [frame] ds, section IV-B
@@ -176,3 +177,23 @@ def rotation_index(arrays: Arrays, size: int) -> RotationIndex:
 def truth_between(reference: Arrays, query: Arrays) -> Floats:
     """True place of each query [reference frame]; frames count from the first that was rendered."""
     return true_references(reference["distance"], query["distance"])
+
+
+def turned_apart(reference: Arrays, query: Arrays, truth: Floats) -> Floats:
+    """Angle between the camera of each query and that of its true place, mean over a sequence about it, (query,) [rad].
+
+    Sequences have eleven frames; at the ends of the passage there are fewer.
+    """
+    nearest = np.clip(np.rint(truth), 0, len(reference["distance"]) - 1).astype(int)
+    here, there = (rotation_matrix(*angles.T) for angles in (query["orientation"], reference["orientation"][nearest]))
+    angle = rotation_between(here, there)
+    length = np.ones(SEQUENCE + 1)
+    return np.asarray(np.convolve(angle, length, "same") / np.convolve(np.ones(len(angle)), length, "same"))
+
+
+def right_by_turn(answer: Recognised, turned: Floats) -> tuple[float, float]:
+    """Share of right matches [%] in the third of the queries whose cameras are turned apart least, and most."""
+    known = np.isfinite(answer.score)
+    low, high = np.quantile(turned[known], [1 / 3, 2 / 3])
+    thirds = known & (turned <= low), known & (turned >= high)
+    return tuple(100.0 * float(answer.is_right[third].mean()) for third in thirds)  # type: ignore[return-value]
