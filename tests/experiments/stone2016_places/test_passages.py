@@ -11,6 +11,7 @@ from insectnav.experiments.stone2016_places.passages import (
     ZIGZAG_YAW,
     _zigzagging,
     distances,
+    drawn_as,
     ground_of,
     poses_of,
     true_references,
@@ -73,8 +74,22 @@ def test_only_the_last_passage_of_the_yard_zigzags():
 
 
 def test_the_sun_of_the_city_is_that_of_an_afternoon():
-    skies = [passage.sky for passage in PASSAGES["City"]]
+    skies = [passage.sky for passage in PASSAGES["City"][:8]]
     azimuth = np.rad2deg([sky.sun_azimuth for sky in skies]) % 360.0
     assert (np.diff(azimuth) > 0).all()
     assert azimuth.min() > 180.0  # after noon
     assert azimuth.max() < 250.0
+
+
+def test_variations_of_the_level_passages_differ_in_clouds_and_sway_alone():
+    ground = ground_of("City", 3, 0.0)
+    poses = [poses_of(CITY, ground, number, N, 0) for number in range(14)]
+    for number in range(8, 14):
+        like = drawn_as("City", number)
+        assert like == 3 + number % 2
+        np.testing.assert_array_equal(poses[number].position, poses[like].position)
+        assert PASSAGES["City"][number].clock == PASSAGES["City"][like].clock
+    np.testing.assert_array_equal(poses[8].pitch, poses[3].pitch)
+    np.testing.assert_array_equal(poses[10].pitch, np.zeros(N))
+    assert PASSAGES["City"][8].sky.clouds is None
+    assert PASSAGES["City"][10].sky.clouds == PASSAGES["City"][3].sky.clouds

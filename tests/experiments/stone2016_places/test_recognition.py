@@ -5,7 +5,14 @@ import pytest
 
 from insectnav.experiments.stone2016_places.car_runs import last_third, median_precision
 from insectnav.experiments.stone2016_places.frames import sky_grid
-from insectnav.experiments.stone2016_places.recognition import Recognised, by_rotation, in_sequences, neutral_patches
+from insectnav.experiments.stone2016_places.recognition import (
+    Recognised,
+    by_rotation,
+    in_sequences,
+    neutral_patches,
+    right_by_turn,
+    turned_apart,
+)
 from insectnav.vision.descriptors import patch_normalised
 from insectnav.vision.sphere import rotation_matrix
 
@@ -89,3 +96,28 @@ def test_turned_and_tilted_skies_are_found_with_their_tilt():
     np.testing.assert_allclose(np.rad2deg(found.tilt), 20.0, atol=1.0)
     np.testing.assert_array_equal(np.argmin(found.matrix, axis=0), np.arange(6))
     assert ((found.matrix >= 0.0) & (found.matrix <= 1.0)).all()
+
+
+def test_single_frames_with_contrast_over_all_references_are_the_nearest():
+    matrix = np.random.default_rng(3).random((60, 25))
+    found = in_sequences(matrix, np.zeros(25), 1, whole_contrast=True)
+    np.testing.assert_array_equal(found.reference, np.argmin(matrix, axis=0))
+    assert not np.array_equal(in_sequences(matrix, np.zeros(25), 1).reference, np.argmin(matrix, axis=0))
+
+
+def test_cameras_are_turned_apart_by_the_difference_of_their_headings_or_pitches():
+    level = np.zeros((40, 3))
+    reference = {"distance": np.arange(40.0), "orientation": level}
+    for angle in (0, 1, 2):
+        orientation = level.copy()
+        orientation[20:, angle] = 0.3
+        turned = turned_apart(reference, {"orientation": orientation}, np.arange(40.0))
+        np.testing.assert_allclose(turned[:15], 0.0, atol=1e-9)
+        np.testing.assert_allclose(turned[25:], 0.3, atol=1e-9)
+        assert turned[20] == pytest.approx(0.3 * 6 / 11)  # frames 15 to 25, of which six are turned
+
+
+def test_thirds_are_those_turned_least_and_most():
+    turned = np.linspace(0.0, 1.0, 9)
+    found = answer([0, 1, 2, 90, 90, 5, 90, 90, 8], np.ones(9))
+    assert right_by_turn(found, turned) == pytest.approx((100.0, 100 / 3))
