@@ -14,7 +14,7 @@ from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2016_places.frames import FULL_SIZE, Section, keep, sections
 from insectnav.experiments.stone2016_places.panels import draw_correspondence, draw_curve, draw_frame
-from insectnav.experiments.stone2016_places.passages import SECONDS_APART, SITE_SEEDS
+from insectnav.experiments.stone2016_places.passages import SECONDS_APART, SITE_SEEDS, ground_of
 from insectnav.experiments.stone2016_places.recognition import (
     FABMAP,
     NEUTRAL,
@@ -34,10 +34,11 @@ from insectnav.experiments.stone2016_places.recognition import (
     truth_between,
     turned_apart,
 )
-from insectnav.experiments.stone2016_places.sites import BMX, SITES, YARD
+from insectnav.experiments.stone2016_places.sites import BMX, FOREST_END, GARDENS_END, SITES, YARD, Ground
 from insectnav.matching.chow_liu import chow_liu_tree
 from insectnav.matching.fabmap import fabmap
 from insectnav.matching.visual_words import build_vocabulary
+from insectnav.worlds.traverse import way_length
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -112,6 +113,7 @@ def table_of(results: Results) -> Table:
     chosen = results.where(site_seed=SITE_SEEDS[cell.site])
     reference, query = (passage_arrays(results, cell.site, SITE_SEEDS[cell.site], number) for number in (0, 1))
     turned = turned_apart(reference, query, truth_between(reference, query))
+    ground, is_track = ground_of(*cell.place), cell.site == BMX.name
     return [
         {
             "site": cell.site,
@@ -122,6 +124,7 @@ def table_of(results: Results) -> Table:
             **answer.findings(),
             "right_in_last_third": last_third(answer),
             "median_precision": median_precision(answer),
+            "in_right_section": in_right_section(answer, reference["distance"], ground) if is_track else float("nan"),
             "right_where_turned_least": right_by_turn(answer, turned)[0],
             "right_where_turned_most": right_by_turn(answer, turned)[1],
             "sky_labelled_right": float(results["accuracy"][chosen].mean()),
@@ -135,6 +138,15 @@ def last_third(answer: Recognised) -> float:
     last = np.arange(len(answer.score)) >= 2 * len(answer.score) // 3
     known = last & np.isfinite(answer.score)
     return 100.0 * float(answer.is_right[known].mean()) if known.any() else float("nan")
+
+
+def in_right_section(answer: Recognised, reference_distance: NDArray[Any], ground: Ground) -> float:
+    """Share of the matches [%] that lie in the same of the three sections of the BMX track as the truth."""
+    ends = [way_length(ground.way[ground.way[:, 1] <= end]) for end in (FOREST_END, GARDENS_END)]
+    section = np.searchsorted(ends, reference_distance)
+    known = answer.reference >= 0
+    true = section[np.rint(answer.truth[known]).astype(int)]
+    return 100.0 * float((section[answer.reference[known]] == true).mean())
 
 
 def median_precision(answer: Recognised) -> float:
@@ -228,6 +240,7 @@ def compare_runs(table: Table, published: Mapping[str, Published]) -> Sequence[V
     sky, vanilla = rows[SKY, 10], rows[VANILLA, 10]
     claims = {
         "median precision of FAB-MAP": (float(rows[FABMAP, 1]["median_precision"]), 0.0),
+        "matches of FAB-MAP in the right section": (float(rows[FABMAP, 1]["in_right_section"]), 0.0),
         "precision at full recall, sky less vanilla": _less(sky, vanilla),
         "precision at full recall, sky, w = 20 less w = 10": _less(rows[SKY, 20], sky),
         "precision at full recall, sky, w = 10 less single images": _less(sky, rows[SKY_WHOLE, 1]),

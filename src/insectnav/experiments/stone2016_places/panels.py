@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from insectnav.experiments.figures import COLOURS
 from insectnav.experiments.stone2016_places.recognition import Recognised
 
+PLATE = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.0}
+
 
 def draw_correspondence(axes: Any, answer: Recognised) -> None:
     """Matched reference frame over query frame: right ones green, wrong ones red, and the truth as a line."""
@@ -17,7 +19,7 @@ def draw_correspondence(axes: Any, answer: Recognised) -> None:
     for chosen, colour in ((wrong, "red"), (right, "green")):
         axes.scatter(query[chosen], answer.reference[chosen], s=1.6, color=COLOURS[colour], linewidths=0, zorder=2)
     share = 100.0 * right.sum() / max(is_match.sum(), 1)
-    axes.text(0.03, 0.95, f"{share:.0f} % right", transform=axes.transAxes, va="top", fontsize=6.0)
+    axes.text(0.03, 0.95, f"{share:.0f} % right", transform=axes.transAxes, va="top", fontsize=6.0, bbox=PLATE)
 
 
 def draw_curve(axes: Any, answer: Recognised, colour: str, label: str, style: Any = "-") -> None:

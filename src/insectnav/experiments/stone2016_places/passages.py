@@ -44,6 +44,7 @@ class Passage:
     jitter : how it sways
     lane : half the range of the passages' distance to the middle of the way, to its right or left [m]
     has_zigzag : whether the end is driven in a zig-zag
+    aside : to the right of that lane [m]
     as_passage : number of the passage whose lane, speed, sway and traffic it has; -1 for its own
     """
 
@@ -54,6 +55,7 @@ class Passage:
     lane: float
     tilt_deg: float = 0.0
     has_zigzag: bool = False
+    aside: float = 0.0
     as_passage: int = -1
 
     @property
@@ -75,13 +77,17 @@ IN_CITY = tuple(
     )
     for k, tilt in enumerate(TILTS_DEG)
 )  # fmt: skip
-# The level passages again, to tell what spoils the matching of grey pictures: without clouds, sway, or both.
+# The level passages again, to tell what spoils the matching: without clouds, sway, or both; and the second on another
+# lane of the road.
 STEADY = Jitter(lateral=ON_HELMET.lateral, correlation_length=ON_HELMET.correlation_length)
 LEVEL = 3, 4
-VARIED = tuple(
-    replace(IN_CITY[number], weather=weather, jitter=jitter, as_passage=number)
-    for weather, jitter in (("clear", ON_HELMET), ("scattered", STEADY), ("clear", STEADY))
-    for number in LEVEL
+VARIED = (
+    *(
+        replace(IN_CITY[number], weather=weather, jitter=jitter, as_passage=number)
+        for weather, jitter in (("clear", ON_HELMET), ("scattered", STEADY), ("clear", STEADY))
+        for number in LEVEL
+    ),
+    replace(IN_CITY[LEVEL[1]], as_passage=LEVEL[1], aside=-2.0),
 )
 # "on two different days, at different times of day"; which days, times and weathers is assumed.
 ON_TRACK = (
@@ -155,7 +161,7 @@ def poses_of(site: Site, ground: Ground, number: int, n_frames: int, seed: int) 
     along = distances(site, number, n_frames, seed)
     drawn = drawn_as(site.name, number)
     lane = passage.lane * (2.0 * generator(seed, f"lane {site.name} {drawn}").random() - 1.0)
-    poses = carried(ground.way, along, offset=lane, speed=site.speed)
+    poses = carried(ground.way, along, offset=lane + passage.aside, speed=site.speed)
     course = np.asarray(poses.heading)
     poses = swayed(poses, passage.jitter, seed=seed + 100 * drawn + 1, course=course)
     if passage.has_zigzag:
