@@ -14,7 +14,7 @@ from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2016_places.frames import FULL_SIZE, Section, keep, sections
 from insectnav.experiments.stone2016_places.panels import draw_correspondence, draw_curve, draw_frame
-from insectnav.experiments.stone2016_places.passages import SECONDS_APART, SITE_SEEDS, ground_of
+from insectnav.experiments.stone2016_places.passages import SECONDS_APART, SITE_SEEDS, drawn_as, ground_of
 from insectnav.experiments.stone2016_places.recognition import (
     FABMAP,
     NEUTRAL,
@@ -43,11 +43,14 @@ from insectnav.worlds.traverse import way_length
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+VARIATIONS = {"as driven": 1, "1 m aside": 2}  # second passages that are compared over the first part of the way
+VARIED_FRAMES = 200  # of each
 LENGTHS = (1, 10, 20)  # [frame] of sequences
 TRAINING_SEED = 100  # added to that of a site: another place of the same kind
 N_TRAINING = 150  # frames of a training passage, evenly along the way
 N_WORDS = {"full": 1000, "quick": 60}  # of FAB-MAP's vocabulary, assumed
 SINGLE = f"{ROTATION}, single frames"
+NONE = float("nan")
 
 
 def car_sections(site: str, scale: str) -> list[Section]:
@@ -55,13 +58,10 @@ def car_sections(site: str, scale: str) -> list[Section]:
     full = scale == "full"
     how: dict[str, Any] = {"size": FULL_SIZE, "supersampling": 2} if full else {"size": 96, "supersampling": 1}
     each, stretch = (50, 1.0) if full else (40, 0.05)
-    found = [
-        section
-        for number in (0, 1)
-        for section in sections(
-            site, number, seed=SITE_SEEDS[site], stretch=stretch, each=each, time_s=SECONDS_APART * number, **how
-        )
-    ]
+    found = []
+    for number, share in ((0, stretch), (1, stretch), (2, min(stretch, VARIED_FRAMES / SITES[site].n_frames))):
+        time_s = SECONDS_APART * drawn_as(site, number)
+        found += sections(site, number, seed=SITE_SEEDS[site], stretch=share, each=each, time_s=time_s, **how)
     for other in (BMX.name, YARD.name) if full else (site,):
         seed, n = SITE_SEEDS[other] + TRAINING_SEED, N_TRAINING if full else each
         found += [
@@ -96,6 +96,21 @@ def recognised(results: Results) -> dict[tuple[str, int], Recognised]:
     return answers
 
 
+def varied(results: Results) -> dict[tuple[str, str], Recognised]:
+    """Answers over the first part of the way, by second passage and method."""
+    cell, answers = results.cells[0], {}
+    for name, number in VARIATIONS.items():
+        reference, query = (
+            {key: values[:VARIED_FRAMES] for key, values in passage.items()}
+            for passage in (passage_arrays(results, cell.site, SITE_SEEDS[cell.site], k) for k in (0, number))
+        )
+        truth = truth_between(reference, query)
+        for method in (VANILLA, SKY):
+            answers[name, method] = in_sequences(differences(reference, query, method), truth)
+        answers[name, SINGLE] = by_rotation(reference, query, truth, cell.size).single
+    return answers
+
+
 def _by_words(results: Results, reference: NDArray[Any], query: NDArray[Any], truth: NDArray[Any]) -> Recognised:
     """FAB-MAP 2.0, with a vocabulary of the training passages."""
     trained = [k for k, cell in enumerate(results.cells) if cell.site_seed != SITE_SEEDS[cell.site]]
@@ -108,29 +123,41 @@ def _by_words(results: Results, reference: NDArray[Any], query: NDArray[Any], tr
 
 
 def table_of(results: Results) -> Table:
-    """A row for each method and length of sequence."""
+    """A row for each method and length of sequence, and for each second passage over the first part of the way."""
     cell = results.cells[0]
-    chosen = results.where(site_seed=SITE_SEEDS[cell.site])
     reference, query = (passage_arrays(results, cell.site, SITE_SEEDS[cell.site], number) for number in (0, 1))
     turned = turned_apart(reference, query, truth_between(reference, query))
     ground, is_track = ground_of(*cell.place), cell.site == BMX.name
-    return [
-        {
-            "site": cell.site,
-            "method": method,
-            "sequence_length": length,
-            "kind": "rendered",
-            "n": int(np.isfinite(answer.score).sum()),
-            **answer.findings(),
+    accuracy = float(np.concatenate([reference["accuracy"], query["accuracy"]]).mean())
+    rows = [
+        _row(cell.site, method, length, "whole way", answer, accuracy)
+        | {
             "right_in_last_third": last_third(answer),
             "median_precision": median_precision(answer),
-            "in_right_section": in_right_section(answer, reference["distance"], ground) if is_track else float("nan"),
+            "in_right_section": in_right_section(answer, reference["distance"], ground) if is_track else NONE,
             "right_where_turned_least": right_by_turn(answer, turned)[0],
             "right_where_turned_most": right_by_turn(answer, turned)[1],
-            "sky_labelled_right": float(results["accuracy"][chosen].mean()),
         }
         for (method, length), answer in recognised(results).items()
     ]
+    empty = dict.fromkeys(list(rows[0])[-5:], NONE)
+    return rows + [
+        _row(cell.site, method, 1 if method == SINGLE else 10, name, answer, accuracy) | empty
+        for (name, method), answer in varied(results).items()
+    ]
+
+
+def _row(site: str, method: str, length: int, part: str, answer: Recognised, accuracy: float) -> dict[str, Any]:
+    return {
+        "site": site,
+        "method": method,
+        "sequence_length": length,
+        "passages": part,
+        "kind": "rendered",
+        "n": int(np.isfinite(answer.score).sum()),
+        **answer.findings(),
+        "sky_labelled_right": accuracy,
+    }
 
 
 def last_third(answer: Recognised) -> float:
@@ -229,7 +256,8 @@ def caption_of(results: Results, made_of: str) -> str:
 
 def compare_runs(table: Table, published: Mapping[str, Published]) -> Sequence[Verdict]:
     """Each published number of a figure beside ours."""
-    rows = {(row["method"], row["sequence_length"]): row for row in table}
+    rows = {(row["method"], row["sequence_length"]): row for row in table if row["passages"] == "whole way"}
+    why = _why(rows, [row for row in table if row["passages"] != "whole way"])
     names = {"vanilla": (VANILLA, 10), "FAB-MAP": (FABMAP, 1)} | {
         "sky": (SKY, 10), "sky, w = 20": (SKY, 20), "sky, single images": (SKY_WHOLE, 1)
     }  # fmt: skip
@@ -256,7 +284,7 @@ def compare_runs(table: Table, published: Mapping[str, Published]) -> Sequence[V
             what, _, who = value.quantity.partition(", ")
             row = rows[names[who]]
             ours = float(row[columns[what]]), float(row[f"{columns[what]}_error"])
-        verdicts.append(judge(value, *ours, why=_why(rows)))
+        verdicts.append(judge(value, *ours, why=why))
     return verdicts
 
 
@@ -265,8 +293,8 @@ def _less(row: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, floa
     return float(row[name] - other[name]), float(np.hypot(row[f"{name}_error"], other[f"{name}_error"]))
 
 
-def _why(rows: Mapping[tuple[str, int], Mapping[str, Any]]) -> str:
-    """What was measured of the causes: orientation, exact masks, contrast, and matching in the overlap alone."""
+def _why(rows: Mapping[tuple[str, int], Mapping[str, Any]], varied_rows: Sequence[Mapping[str, Any]]) -> str:
+    """What was measured of the causes: lane, orientation, exact masks, contrast, and matching in the overlap alone."""
     shown = [(TRUE, 10), (SKY_WHOLE, 10), (SKY, 1), (POINTS, 10), (NEUTRAL, 10), (SINGLE, 1)]
     parts = [f"{method} (w = {w}) {rows[method, w]['precision_at_full_recall']:.0f}" for method, w in shown]
     vanilla, sky = rows[VANILLA, 10], rows[SKY, 10]
@@ -274,8 +302,13 @@ def _why(rows: Mapping[tuple[str, int], Mapping[str, Any]]) -> str:
         f"{name} {row['right_where_turned_least']:.0f} and {row['right_where_turned_most']:.0f}"
         for name, row in (("vanilla", vanilla), ("sky", sky))
     ]
+    lanes = [
+        f"{row['method']}, {row['passages']} {row['precision_at_full_recall']:.0f}"
+        for row in varied_rows
+        if row["method"] != VANILLA
+    ]
     return (
         f"rendered, another place; right in percent in the thirds of the frames whose cameras are turned apart least "
         f"and most: {', '.join(turned)}; sky labelled right in {sky['sky_labelled_right']:.1f} % of the pixels; "
-        f"precision at full recall in percent of {', '.join(parts)}"
+        f"precision at full recall in percent of {', '.join(parts)}; over the first part of the way: {'; '.join(lanes)}"
     )

@@ -52,7 +52,6 @@ SHOWN_DEG = (20, 40, 60)
 SINGLE = f"{ROTATION}, single frames"
 DRAWN = (VANILLA, SKY, ROTATION)
 # The level passages over the first part of the way: as they are, without clouds or sway, and one 2 m farther left.
-
 VARIATIONS = {"as ridden": LEVEL, "no clouds": (8, 9), "no sway": (10, 11), "neither": (12, 13), "2 m aside": (3, 14)}
 VARIED_FRAMES = 195  # of each
 
@@ -124,11 +123,11 @@ def summarise(results: Results) -> Table:
     accuracy = {number: float(results["accuracy"][cells].mean()) for number, cells in results.by("passage").items()}
     rows = [
         _row(apart, method, "whole way", answer, PAIRS[apart], accuracy)
-        | {"tilt_found_less_true_deg": tilt_errors[apart] if method == SINGLE else float("nan")}
+        | {"tilt_found_less_nominal_deg": tilt_errors[apart] if method == SINGLE else float("nan")}
         for (apart, method), answer in answers.items()
     ]
     return rows + [
-        _row(0, method, name, answer, VARIATIONS[name], accuracy) | {"tilt_found_less_true_deg": float("nan")}
+        _row(0, method, name, answer, VARIATIONS[name], accuracy) | {"tilt_found_less_nominal_deg": float("nan")}
         for (name, method), answer in varied(results).items()
     ]
 

@@ -213,7 +213,7 @@ def sections(site: str, passage: int, *, seed: int, stretch: float, each: int, *
     how : other fields of `Section`
     """
     n = SITES[site].n_frames
-    n_sections = max(1, int(stretch * n) // each)
+    n_sections = max(1, round(stretch * n) // each)
     assert 0 <= passage < len(PASSAGES[site])
     return [
         Section(site=site, site_seed=seed, passage=passage, first=k * each, n_frames=each, of_frames=n, **how)

@@ -90,14 +90,17 @@ VARIED = (
     replace(IN_CITY[LEVEL[1]], as_passage=LEVEL[1], aside=-2.0),
 )
 # "on two different days, at different times of day"; which days, times and weathers is assumed.
-ON_TRACK = (
+ON_TRACK: tuple[Passage, ...] = (
     Passage(clock="2015-07-20T09:30", weather="scattered", cloud_seed=5, jitter=ON_CAR, lane=0.3),
     Passage(clock="2015-07-23T14:30", weather="clear", cloud_seed=6, jitter=ON_CAR, lane=0.3),
 )
-AT_YARD = (
+AT_YARD: tuple[Passage, ...] = (
     Passage(clock="2015-07-27T09:00", weather="broken", cloud_seed=7, jitter=ON_CAR, lane=0.3),
     Passage(clock="2015-07-30T13:00", weather="scattered", cloud_seed=8, jitter=ON_CAR, lane=0.3, has_zigzag=True),
 )
+# The second passages of the car again, on another lane.
+ON_TRACK = (*ON_TRACK, replace(ON_TRACK[1], as_passage=1, aside=1.0))
+AT_YARD = (*AT_YARD, replace(AT_YARD[1], as_passage=1, aside=1.0))
 PASSAGES = {"City": IN_CITY + VARIED, "BMX Track": ON_TRACK, "Disposal Site": AT_YARD}
 SITE_SEEDS = {"City": 3, "BMX Track": 11, "Disposal Site": 21}
 
