@@ -68,9 +68,9 @@ def test_zigzag_heads_where_it_goes():
     assert turns == pytest.approx(2 * 47.5 / ZIGZAG_LENGTH, abs=1)
 
 
-def test_only_the_last_passage_of_the_yard_zigzags():
+def test_only_the_later_passages_of_the_yard_zigzag():
     found = [(name, k) for name, passages in PASSAGES.items() for k, one in enumerate(passages) if one.has_zigzag]
-    assert found == [("Disposal Site", 1)]
+    assert found == [("Disposal Site", 1), ("Disposal Site", 2)]
 
 
 def test_the_sun_of_the_city_is_that_of_an_afternoon():
@@ -93,3 +93,12 @@ def test_variations_of_the_level_passages_differ_in_clouds_and_sway_alone():
     np.testing.assert_array_equal(poses[10].pitch, np.zeros(N))
     assert PASSAGES["City"][8].sky.clouds is None
     assert PASSAGES["City"][10].sky.clouds == PASSAGES["City"][3].sky.clouds
+
+
+def test_the_car_on_another_lane_is_a_metre_to_the_right():
+    ground = ground_of("Disposal Site", 21, 0.0)
+    second, other = (poses_of(YARD, ground, number, 850, 0) for number in (1, 2))
+    np.testing.assert_array_equal(second.heading, other.heading)
+    step = (other.position - second.position)[:, :2]
+    np.testing.assert_allclose(np.linalg.norm(step, axis=-1), 1.0, atol=1e-9)
+    assert (step[:, 0] > 0.9).all()  # the road runs north
