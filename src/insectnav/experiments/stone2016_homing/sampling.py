@@ -55,7 +55,7 @@ class Cell:
 def grid(scale: str) -> Sequence[Cell]:
     """All numbers of rays at both headings, down to 5 cm, and most rays at 2 cm; quickly, two of them at 20 cm."""
     world = stage("clearing")
-    surveys = [(0.05, 3, rays) for rays in RAYS] + [(0.02, 3, 8)] if scale == "full" else [(0.2, 1, 1), (0.2, 1, 4)]
+    surveys = [(0.05, 3, rays) for rays in RAYS] + [(0.02, 3, 8)] if scale == "full" else [(0.2, 1, 1), (0.2, 1, 2)]
     return [
         Cell(
             world=world,
