@@ -207,4 +207,6 @@ def _verdict(table: Table, value: Published) -> Verdict:
         if {"comparison": name, "heading": heading, "success_radius": RULES[0], "spacing_m": row["spacing_m"]}.items()
         <= other.items()
     ]
-    return judge(value, row[column], row[error] if error else 0.0, why=f"{each}; at {spacing}: {', '.join(more)}")
+    pixels = row["mean_area_m2"] / row["over_retinotopic"]
+    why = f"{each}; at {spacing}: {', '.join(more)}; pixels at the same headings, grid and rays: {pixels:.3g} m2"
+    return judge(value, row[column], row[error] if error else 0.0, why=why)
