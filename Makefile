@@ -5,6 +5,8 @@
 BIN := .venv/bin
 READY := .venv/.ready
 WORKERS ?= auto
+# One thread of the linear algebra for each test process: more of them only wait for each other.
+export OPENBLAS_NUM_THREADS ?= 1
 PYTEST_ARGS ?=
 
 help: ## this list

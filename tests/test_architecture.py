@@ -25,7 +25,7 @@ LEVELS = (
     ("records",),
     ("central_complex", "vision", "metrics"),
     ("agents", "matching", "worlds", "datasets"),
-    ("homing", "insect"),
+    ("homing", "insect", "labelling"),
     ("experiments",),
     ("sweep",),
     ("cli", "app"),

@@ -181,6 +181,52 @@ class Mesh:
         return np.stack([self.vertices.min(axis=(0, 1)), self.vertices.max(axis=(0, 1))]).astype(np.float64)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Poses:
+    """Where an eye or a camera is, one row for each picture, and how it is turned; arrays are read-only copies.
+
+    Parameters
+    ----------
+    position : (n, 3) array of x, y, z [m]
+    heading, pitch, roll : (n,) arrays [rad], clockwise from +y, nose up, right side down; stored in [-π, π)
+    distance : (n,) array [m], not decreasing, along the way
+    time : (n,) array [s], not decreasing
+
+    Raises
+    ------
+    InputError
+        If shapes do not agree, a number is not finite, angles are in degrees, or distance or time go back.
+    """
+
+    position: Floats
+    heading: Floats
+    pitch: Floats
+    roll: Floats
+    distance: Floats
+    time: Floats
+
+    def __post_init__(self) -> None:
+        position = _frozen_array("position", self.position, ("n", 3))
+        if not len(position):
+            raise InputError("there are no positions, expected at least one")
+        object.__setattr__(self, "position", position)
+        for name in ("heading", "pitch", "roll"):
+            check_radians(name, getattr(self, name))
+            object.__setattr__(self, name, _frozen_array(name, wrap(getattr(self, name)), (len(position),)))
+        for name in ("distance", "time"):
+            array = _frozen_array(name, getattr(self, name), (len(position),))
+            back = np.flatnonzero(np.diff(array) < 0)
+            if back.size:
+                before, after = array[back[0]], array[back[0] + 1]
+                raise InputError(
+                    f"{name} goes back from {before:.10g} to {after:.10g} at index {back[0] + 1}: rows out of order?"
+                )
+            object.__setattr__(self, name, array)
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+
 def _has_area(vertices: npt.NDArray[np.float32]) -> npt.NDArray[np.bool_]:
     corners = vertices.astype(np.float64)
     sides = corners[:, [1, 2, 0]] - corners

@@ -124,7 +124,10 @@ def test_degrees_that_look_like_radians_are_doubted():
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("a,b,c\n1,2,3\n", "no column for time and x and y among 'a', 'b', 'c', expected a time (t_s, time or frame)"),
+        (
+            "a,b,c\n1,2,3\n",
+            "no column for time and x and y among 'a', 'b', 'c', expected a time (t_s, time_s, time or frame)",
+        ),
         ("t_s,x_m\n1,2\n", "no column for y among 't_s', 'x_m'"),
         ("0.1,2,3\n0.2,3,4\n", "does the table lack its header?"),
         ("t_s x_m y_m\n1 2 3\n", "is the separator a tab, comma or semicolon?"),

@@ -2,8 +2,6 @@
 
 import base64
 import json
-import os
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,14 +9,13 @@ from urllib.parse import unquote
 
 import pytest
 
+from browser import opened_browser
 from insectnav import experiments
 from insectnav.experiments import load
 from insectnav.experiments.report import write_report
 from insectnav.sweep import executor, run_experiment
 from made_results import leave, verdict
 
-FLAGS = """--headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --disable-quic --no-first-run
---disable-background-networking --disable-component-update --disable-sync --hide-scrollbars"""
 SMALL_PAPER = {"needle": "needle_paper.needle", "drum": "needle_paper.drum", "coin": "needle_paper.needle"}
 EVIL = "<script>document.title = 'taken over'</script><img src='http://127.0.0.1:9/x.png' onerror='alert(1)'>" * 3
 PHONE, DESK = 400, 1280  # [CSS pixel] width
@@ -41,21 +38,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    program = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    driver = shutil.which("chromedriver")
-    if not (program and driver):
-        assert os.environ.get("CI") != "true", "no chromium and chromedriver, expected both where CI=true"
-        pytest.skip("no chromium and chromedriver here")
-    from selenium.webdriver import Chrome, ChromeOptions
-    from selenium.webdriver.chrome.service import Service
-
-    options = ChromeOptions()
-    options.binary_location = program
-    for flag in (*FLAGS.split(), f"--user-data-dir={tmp_path_factory.mktemp('browser')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    with Chrome(options=options, service=Service(executable_path=driver)) as chrome:
-        chrome.set_page_load_timeout(60)
+    with opened_browser(tmp_path_factory.mktemp("browser")) as chrome:
         yield chrome
 
 

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from insectnav.checks import InputError
-from insectnav.worlds import render_panorama
+from insectnav.worlds import load_world, render, render_panorama
+from insectnav.worlds.builders import build_world
 from insectnav.worlds.solids import check_outside_solids, count_crossings, upward_rays
 from solid_shapes import box, quad, soup, sphere, turned, world_of
 
@@ -48,6 +49,21 @@ def test_below_a_ground_that_is_part_of_the_mesh():
     world = world_of(ground)
     assert is_inside(world, 0, 0, 0.5)
     assert not is_inside(world, 0, 0, 1.5)
+
+
+def test_houses_of_the_city_have_an_inside_and_its_streets_have_none():
+    """Panes before the walls, chimneys and scaffolding lead some rays astray."""
+    city = build_world("city", seed=1)
+    world = load_world(city.mesh)
+    rng = np.random.default_rng(0)
+    above = np.column_stack([rng.uniform(0, 400, (40, 2)), np.full(40, 90.0)])
+    below = render(world, above, directions=[[0, 0, -1.0]], layers=("depth", "triangle"))
+    material = np.array(city.mesh.materials)[city.mesh.material[below["triangle"][:, 0]]]
+    is_wall = np.isin(material, ("brick", "render", "concrete", "limestone"))  # flat roofs are of the walls' material
+    houses = above[is_wall & (below["depth"][:, 0] < 85)]
+    assert len(houses) > 5
+    assert all(is_inside(world, x, y, 1.5) for x, y, _ in houses)
+    assert not any(is_inside(world, x, y, 1.5) for x, y in city.route[::100])
 
 
 def test_leaves_have_no_inside():

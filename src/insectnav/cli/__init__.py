@@ -28,6 +28,7 @@ def program() -> None:
     The process that draws is started before anything is imported. Collecting garbage during the imports and taking the
     interpreter apart at the end would take a fifth of the time.
     """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more of them only wait for each other
     gc.disable()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))  # so that temporary folders are removed
     try:

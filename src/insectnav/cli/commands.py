@@ -6,8 +6,12 @@ from typing import Annotated
 import typer
 
 from insectnav.checks import InputError
+from insectnav.cli.align_command import align
 from insectnav.cli.experiment_commands import RunInterruptedError, list_experiments, report, run
 from insectnav.cli.home_command import home
+from insectnav.cli.label_command import label
+from insectnav.cli.render_command import render
+from insectnav.cli.segment_command import segment
 
 INTERRUPTED = 130  # exit code, as of shells
 
@@ -35,9 +39,13 @@ def _commands(
 
 
 app.command()(home)
+app.command()(segment)
 app.command("list")(list_experiments)
 app.command()(run)
 app.command()(report)
+app.command()(render)
+app.command()(label)
+app.command()(align)
 
 
 def run_command(figure: object = None) -> int:
@@ -54,8 +62,8 @@ def run_command(figure: object = None) -> int:
         code = _refuse(str(error))
     except typer.TyperException as error:
         code = _refuse(error.format_message())
-    except RunInterruptedError:
-        print("insectnav: interrupted, finished cells are kept: add --resume to go on", file=sys.stderr)
+    except RunInterruptedError as error:
+        print(f"insectnav: interrupted, finished {error.parts} are kept: add --resume to go on", file=sys.stderr)
         return INTERRUPTED
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED

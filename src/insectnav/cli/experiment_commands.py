@@ -14,7 +14,17 @@ if TYPE_CHECKING:
 
 
 class RunInterruptedError(Exception):
-    """The user stopped a run; what was finished is kept."""
+    """The user stopped a run; what was finished is kept.
+
+    Parameters
+    ----------
+    parts : str
+        What is kept, such as cells.
+    """
+
+    def __init__(self, parts: str = "cells") -> None:
+        super().__init__(parts)
+        self.parts = parts
 
 
 def list_experiments(

@@ -24,7 +24,7 @@ from insectnav.records import Track
 MIN_SAMPLES = 10
 MIN_EXTENT = 1e-9  # of the largest coordinate
 
-TIME_COLUMNS = {"t_s": "s", "time": "s", "frame": "frame"}
+TIME_COLUMNS = {"t_s": "s", "time_s": "s", "time": "s", "frame": "frame"}
 LENGTH_UNITS = {"_m": "m", "_cm": "cm", "_mm": "mm", "": "unit"}
 X_COLUMNS = {f"x{ending}": unit for ending, unit in LENGTH_UNITS.items()}
 Y_COLUMNS = {f"y{ending}": unit for ending, unit in LENGTH_UNITS.items()}
@@ -61,7 +61,7 @@ def read_track(
 ) -> Track:
     """Track in a CSV or TSV file.
 
-    The header names a time (``t_s``, ``time``, ``frame``), x and y (``x_m``, ``x_cm``, ``x_mm``,
+    The header names a time (``t_s``, ``time_s``, ``time``, ``frame``), x and y (``x_m``, ``x_cm``, ``x_mm``,
     ``x``) and perhaps a heading (``heading_rad``, ``heading_deg``); other columns are ignored. An
     empty cell, ``nan`` and ``NA`` are missing. Short gaps are filled by interpolation.
 
@@ -176,7 +176,7 @@ def _refuse_header(header: list[str], absent: list[str]) -> NoReturn:
     elif len(header) == 1:
         slip = ": is the separator a tab, comma or semicolon?"
     raise InputError(
-        f"no column for {' and '.join(absent)} among {found}{more}, expected a time (t_s, time or frame), "
+        f"no column for {' and '.join(absent)} among {found}{more}, expected a time (t_s, time_s, time or frame), "
         f"x and y (x_m, x_cm, x_mm or x, and y alike){slip}"
     )
 

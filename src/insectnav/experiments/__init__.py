@@ -8,9 +8,15 @@ from insectnav.checks import check_choice
 if TYPE_CHECKING:
     from insectnav.experiments.experiment import Experiment
 
+_STONE_2014 = "insectnav.experiments.stone2014_sky_segmentation"
 _STONE_2017 = "insectnav.experiments.stone2017_path_integration"
 _STONE_2016 = "insectnav.experiments.stone2016_homing"
 _MODULES = {
+    "stone2014-table-1": f"{_STONE_2014}.table_1",
+    "stone2014-fig-2": f"{_STONE_2014}.fig_2",
+    "stone2014-fig-3": f"{_STONE_2014}.fig_3",
+    "stone2014-real-photographs": f"{_STONE_2014}.real_photographs",
+    "stone2014-sensitivity": f"{_STONE_2014}.sensitivity",
     "stone2017-fig-4h": f"{_STONE_2017}.fig_4h",
     "stone2017-fig-5a": f"{_STONE_2017}.fig_5a",
     "stone2017-fig-5b": f"{_STONE_2017}.fig_5b",

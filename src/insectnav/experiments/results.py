@@ -26,6 +26,7 @@ ONE_CHUNK = 2**25  # [byte] smaller arrays are not divided
 RESULTS = frozenset(  # a folder of these and nothing else may be replaced
     {PROVENANCE, "figure.png", "figure.pdf", "caption.txt", "table.csv", "comparison.csv", "summary.json", "data.zarr"}
 )
+MASK_RESULTS = frozenset({"masks", "overlays", "methods.csv", "tests.csv"})  # with provenance beside them alone
 
 
 @contextmanager
@@ -67,7 +68,8 @@ def check_destination(destination: str | os.PathLike[str]) -> None:
     with written_to(destination):
         if final.exists() and not final.is_dir():
             raise InputError(f"--out {shown} is a file, expected a folder or a new name")
-        others = {item.name for item in final.iterdir()} - RESULTS if final.is_dir() else set()
+        there = {item.name for item in final.iterdir()} if final.is_dir() else set()
+        others = there - RESULTS - (MASK_RESULTS if PROVENANCE in there else set())
         if others:
             example = quoted(min(others))
             raise InputError(

@@ -2,10 +2,11 @@
 
 Assumptions: surfaces scatter alike to all sides, but for the mirrors among them; light that was scattered by two
 surfaces or more counts as if it came from all of them alike, in the mean of what stands in the world; the air between
-is clear; the ground beyond the mesh is level and of one material. Mirrors show the sky where the nearest part of it is
-free, and else that mean.
+is clear; the ground beyond the mesh is level and of one material. By rays mirrors show what is there, once; in
+panoramas, and in each other, they show the sky where the nearest part of it is free, and else that mean.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
@@ -18,7 +19,7 @@ from insectnav.checks import InputError, check_choice, check_count, check_range
 from insectnav.records import Mesh
 from insectnav.vision.sphere import directions, fibonacci
 from insectnav.worlds.built_world import BuiltWorld
-from insectnav.worlds.materials import MATERIALS, mirror_optics, reflectance, transmittance
+from insectnav.worlds.materials import MATERIALS, Material, mirror_optics, reflectance, transmittance
 from insectnav.worlds.shadow_map import shadow_map, sky_maps
 from insectnav.worlds.sky import Sky
 from insectnav.worlds.skylight import BANDS, sky_quadrature
@@ -70,6 +71,8 @@ class LitWorld:
         Material of the level ground where there is no mesh, in `insectnav.worlds.materials.MATERIALS`.
     shadows : bool
         Whether surfaces keep the light of sun and sky from each other.
+    materials : name → Material
+        Optics of all that the mesh names, and of the ground.
     """
 
     shape: World
@@ -77,6 +80,7 @@ class LitWorld:
     grain: Grain
     ground: str
     shadows: bool = True
+    materials: Mapping[str, Material] = field(default_factory=lambda: MATERIALS, repr=False)
     _sky_maps: list[Any] = field(default_factory=list, repr=False)  # of these surfaces, whatever the sky: made once
 
     @property
@@ -124,6 +128,7 @@ def light_world(
     material: str | None = None,
     shadows: bool = True,
     extent: npt.ArrayLike | None = None,
+    materials: Mapping[str, Material] = MATERIALS,
 ) -> LitWorld:
     """A built world or a mesh under a sky.
 
@@ -141,6 +146,8 @@ def light_world(
     shadows : bool
         Without them all surfaces lie open to sun and sky.
     extent : as of `insectnav.worlds.World`
+    materials : name → Material
+        Others than those of the table, or with other reflectances: ``MATERIALS | {"snow": Material(...)}``.
 
     Raises
     ------
@@ -151,16 +158,16 @@ def light_world(
     if material is not None:
         mesh = replace(mesh, material=None, materials=(material,))
     for name in mesh.materials:
-        if name not in MATERIALS:
+        if name not in materials:
             raise InputError(
                 f"the mesh has a material {name!r} of which no reflectance is known, expected one of "
-                f"{', '.join(MATERIALS)}: give one for all triangles as material=…"
+                f"{', '.join(materials)}: give one for all triangles as material=…"
             )
-    check_choice("ground", ground, tuple(MATERIALS))
+    check_choice("ground", ground, tuple(materials))
     if grain is None:
         grain = Grain(seed=world.seed if isinstance(world, BuiltWorld) else 0)
     shape = flat_world(mesh, extent=None if extent is None else np.asarray(extent))
-    return LitWorld(shape=shape, sky=sky, grain=grain, ground=ground, shadows=shadows)
+    return LitWorld(shape=shape, sky=sky, grain=grain, ground=ground, shadows=shadows, materials=materials)
 
 
 def _pack(world: LitWorld) -> PackedLight:
@@ -204,13 +211,14 @@ def _pack_surfaces(world: LitWorld) -> Any:
     corners = mesh.vertices.astype(np.float64)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
-    mirror = mirror_optics(materials)
+    known = world.materials
+    mirror = mirror_optics(materials, known)
     is_mirror = (mirror[:, 0] > 1.0) | (mirror[:, 2] > 0.0)
     return Surfaces(
         normal=np.concatenate([normal, [[0.0, 0.0, 1.0]]]),
         material=np.append(np.asarray(mesh.material), len(materials) - 1).astype(np.int64),
-        diffuse=np.stack([reflectance(materials, band) for band in LIGHT_BANDS], axis=-1),
-        through=np.stack([transmittance(materials, band) for band in LIGHT_BANDS], axis=-1),
+        diffuse=np.stack([reflectance(materials, band, known) for band in LIGHT_BANDS], axis=-1),
+        through=np.stack([transmittance(materials, band, known) for band in LIGHT_BANDS], axis=-1),
         contrast=np.where(is_mirror, 0.0, world.grain.contrast),
         mirror=mirror,
     )
@@ -229,7 +237,7 @@ def _mean_light(world: LitWorld, packed: PackedLight) -> tuple[Floats, Floats]:
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=-1)
     centre, normal = corners.mean(axis=1), surfaces.normal[:-1]
     diffuse, open_light = surfaces.diffuse, world.sky.irradiance(LIGHT_BANDS) / np.pi
-    of_ground = np.array([MATERIALS[name].is_ground for name in mesh.materials])[np.asarray(mesh.material)]
+    of_ground = np.array([world.materials[name].is_ground for name in mesh.materials])[np.asarray(mesh.material)]
     plain = surfaces._replace(mirror=np.tile([1.0, 1.0, 0.0], (len(diffuse), 1)), contrast=np.zeros(len(diffuse)))
     n = mesh.n_triangles
     radiance = np.empty((n, len(LIGHT_BANDS)))

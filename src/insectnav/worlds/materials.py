@@ -24,7 +24,7 @@ Fresnel
 What the table calls assumed is ours, set between its neighbours where no measurement was at hand.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,6 +102,10 @@ MATERIALS = {
     "concrete": Material(diffuse=(0.176, 0.227, 0.266, 0.314), source="SLUM C002, C004, C006, C008"),
     "brick": Material(diffuse=(0.112, 0.117, 0.134, 0.274), source="SLUM B004, B013, weathered red ceramic"),
     "render": Material(diffuse=(0.203, 0.373, 0.459, 0.589), source="SLUM B012, white paint on brick"),
+    "white paint": Material(
+        diffuse=(0.203, 0.70, 0.76, 0.78), source="SLUM B012, white paint on brick, at 350 nm",
+        assumed=f"{_VISIBLE}: a fresh coat, B012 being soiled; its rutile may take up more of the ultraviolet",
+    ),
     "limestone": Material(diffuse=(0.293, 0.439, 0.542, 0.673), source="SLUM S004"),
     "sandstone": Material(diffuse=(0.181, 0.255, 0.320, 0.418), source="SLUM S001"),
     "tiles": Material(diffuse=(0.059, 0.069, 0.080, 0.122), source="SLUM R010, R012, R013, weathered red ceramic"),
@@ -130,7 +134,7 @@ MATERIALS = {
 }  # fmt: skip
 
 
-def reflectance(materials: Sequence[str], band: str) -> Floats:
+def reflectance(materials: Sequence[str], band: str, known: Mapping[str, Material] = MATERIALS) -> Floats:
     """Diffuse reflectance of each material in one band, (material,) array in 0…1.
 
     Parameters
@@ -139,6 +143,7 @@ def reflectance(materials: Sequence[str], band: str) -> Floats:
         Names in `MATERIALS`, as in ``mesh.materials``.
     band : str
         "uv", "blue", "green", "red", or "grey" for the two flat greys of the published figures.
+    known : name → Material
 
     Raises
     ------
@@ -146,18 +151,18 @@ def reflectance(materials: Sequence[str], band: str) -> Floats:
         If a material or the band is unknown.
     """
     check_choice("band", band, (*BANDS, "grey"))
-    chosen = [_material(name) for name in materials]
+    chosen = [_material(name, known) for name in materials]
     if band == "grey":
         return np.array([GREY_GROUND if material.is_ground else GREY_PLANTS for material in chosen])
     return np.array([material.diffuse[list(BANDS).index(band)] for material in chosen])
 
 
-def transmittance(materials: Sequence[str], band: str) -> Floats:
+def transmittance(materials: Sequence[str], band: str, known: Mapping[str, Material] = MATERIALS) -> Floats:
     """Share of the light that each material scatters to its other side in one band, (material,) array in 0…1.
 
     Parameters
     ----------
-    materials, band
+    materials, band, known
         As of `reflectance`; not "grey".
 
     Raises
@@ -166,10 +171,10 @@ def transmittance(materials: Sequence[str], band: str) -> Floats:
         If a material or the band is unknown.
     """
     check_choice("band", band, tuple(BANDS))
-    return np.array([_material(name).through[list(BANDS).index(band)] for name in materials])
+    return np.array([_material(name, known).through[list(BANDS).index(band)] for name in materials])
 
 
-def mirror_optics(materials: Sequence[str]) -> Floats:
+def mirror_optics(materials: Sequence[str], known: Mapping[str, Material] = MATERIALS) -> Floats:
     """What `mirror_fraction` needs of each material, (material, 3): refractive index, number of surfaces, metal share.
 
     Raises
@@ -177,7 +182,7 @@ def mirror_optics(materials: Sequence[str]) -> Floats:
     InputError
         If a material is unknown.
     """
-    chosen = [_material(name) for name in materials]
+    chosen = [_material(name, known) for name in materials]
     return np.array([(one.refractive_index, float(one.n_surfaces), one.metal_mirror) for one in chosen])
 
 
@@ -222,6 +227,6 @@ def mirror_fraction(material: str, cos_incidence: npt.ArrayLike) -> Floats:
     return np.asarray((piles[0] + piles[1]) / 2)
 
 
-def _material(name: str) -> Material:
-    check_choice("material", name, tuple(MATERIALS))
-    return MATERIALS[name]
+def _material(name: str, known: Mapping[str, Material] = MATERIALS) -> Material:
+    check_choice("material", name, tuple(known))
+    return known[name]

@@ -59,7 +59,7 @@ def clear_of(route: Floats, positions: Floats, headings: Floats, length: float, 
 
 
 def cars(rng: np.random.Generator, positions: Floats, headings: Floats) -> list[Part]:
-    """Cars of three paints at positions (n, 3) [m]: body, glass and roof; none is higher than `CAR_HEIGHT`."""
+    """Cars of three paints at positions (n, 3) [m]: body, glass, roof and wheels; none is higher than `CAR_HEIGHT`."""
     body = box(CAR_WIDTH, CAR_LENGTH, 0.65, base=0.2)
     cabin = frustum(4, 1.0, 0.8, 0.65, base=0.85)
     cabin = placed(cabin, [(0.0, 0.0, 0.0)], np.pi / 4)[0] * np.array([1.15, 1.75, 1.0]) - [0.0, 0.35, 0.0]
@@ -68,7 +68,14 @@ def cars(rng: np.random.Generator, positions: Floats, headings: Floats) -> list[
     paint = rng.integers(0, len(PAINTS), len(positions))
     shell = placed(joined([body, roof]), positions, headings)
     parts: list[Part] = [(name, joined([shell[paint == index]])) for index, name in enumerate(PAINTS)]
-    return [*parts, ("window", joined([placed(cabin, positions, headings)]))]
+    glass = ("window", joined([placed(cabin, positions, headings)]))
+    return [*parts, glass, ("dark paint", joined([placed(_wheels(), positions, headings)]))]
+
+
+def _wheels() -> Floats:
+    """Four wheels, as dark as paint can be, on which the body stands."""
+    wheel = box(0.2, 0.62, 0.6)
+    return joined([wheel + np.array([x, y, 0.0]) for x in (-0.78, 0.78) for y in (-1.35, 1.35)])
 
 
 def people(rng: np.random.Generator, positions: Floats, headings: Floats) -> list[Part]:

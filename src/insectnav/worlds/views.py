@@ -12,6 +12,7 @@ from insectnav.checks import InputError, as_numbers, check_choice, check_finite,
 from insectnav.vision.cameras import AHEAD, Camera
 from insectnav.vision.sphere import check_directions, rotation_matrix, to_world
 from insectnav.worlds.lit_world import LitWorld
+from insectnav.worlds.mirrors import add_mirrored, without_mirrors
 from insectnav.worlds.rays import GROUND, SKY, cast_rays
 from insectnav.worlds.renderer import (
     LAYERS,
@@ -135,7 +136,7 @@ def _render_samples(
             position = poses.position[view]
             samples = _meet(shape, position, poses.rotation[view], float(poses.level[view]), eye)
             has_no_sky[view] = not (samples.triangle == SKY).any() and (samples.rays[..., 2] > 0).any()
-            values = _values(world, layers, samples, position, eye.pixel_angle)
+            values = _values(world, layers, samples, position, eye)
             for layer in layers:
                 found[layer][view, eye.place] = values[layer]
 
@@ -233,14 +234,12 @@ def _meet(world: World, position: Floats, rotation: Floats, heading: float, eye:
     return Samples(rays.astype(np.float32).reshape(*shape, 3), triangle.reshape(shape), nearness.reshape(shape))
 
 
-def _values(
-    world: World | LitWorld, layers: Sequence[str], samples: Samples, position: Floats, pixel_angle: float
-) -> Layers:
+def _values(world: World | LitWorld, layers: Sequence[str], samples: Samples, position: Floats, eye: Eye) -> Layers:
     """Mean of each layer over the samples of each pixel, (pixel,)."""
     found: dict[str, Any] = {}
     nearness = samples.nearness.mean(axis=1)
     if isinstance(world, LitWorld) and set(world.bands) & set(layers):
-        found |= _radiance(world, samples, position, pixel_angle)
+        found |= _radiance(world, samples, position, eye)
     for layer in layers:
         if layer == "triangle":
             nearest = np.argmax(np.where(samples.triangle >= 0, samples.nearness, -1.0), axis=1)
@@ -260,11 +259,16 @@ def _values(
     return found
 
 
-def _radiance(world: LitWorld, samples: Samples, position: Floats, pixel_angle: float) -> Layers:
+def _radiance(world: LitWorld, samples: Samples, position: Floats, eye: Eye) -> Layers:
+    """Bands of each pixel; by rays mirrors show what is there, unless all surfaces lie open."""
     from insectnav.worlds.shading_kernel import shade_pixels
 
     n_pixels, packed = len(samples.triangle), world.packed
+    has_rays = eye.panorama is None and world.shadows
     radiance = np.empty((n_pixels, len(world.bands)))
-    optics = packed.surfaces, packed.octaves, packed.light, packed.sun_map, packed.sky_maps
-    shade_pixels(tuple(samples), np.tile(position, (n_pixels, 1)), pixel_angle, *optics, radiance)
+    surfaces = without_mirrors(packed.surfaces) if has_rays else packed.surfaces
+    optics = surfaces, packed.octaves, packed.light, packed.sun_map, packed.sky_maps
+    shade_pixels(tuple(samples), np.tile(position, (n_pixels, 1)), eye.pixel_angle, *optics, radiance)
+    if has_rays:
+        add_mirrored(world.shape, packed, tuple(samples), position, eye.pixel_angle, radiance)
     return {band: radiance[:, k] for k, band in enumerate(world.bands)}

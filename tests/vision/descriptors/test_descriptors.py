@@ -3,6 +3,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from insectnav.checks import InputError
+from insectnav.matching import METRICS, difference_matrix
 from insectnav.vision.descriptors import DESCRIPTORS, frequency_strip, retinotopic
 from insectnav.vision.descriptors.brightness import brightness
 
@@ -103,3 +104,15 @@ def test_brightness_of_every_type(pixels, expected):
 def test_bad_input_is_refused_in_a_sentence(call, sentence):
     with pytest.raises(InputError, match=f"^{sentence}"):
         call()
+
+
+@pytest.mark.parametrize("name", DESCRIPTORS)
+def test_every_descriptor_names_a_metric_that_takes_its_features(name):
+    describe = DESCRIPTORS[name]
+    features = describe(VIEWS[0])
+    assert describe.metric in METRICS
+    assert features.dtype.kind == "f"  # bytes and bits would wrap when subtracted
+    for form in (features, describe.describe(VIEWS[0])):
+        difference = difference_matrix(form, form, describe.metric)
+        assert_array_equal(np.diag(difference), 0)
+        assert (difference[~np.eye(3, dtype=bool)] > 0).all()

@@ -2,10 +2,19 @@
 
 from functools import partial
 
+from insectnav.vision.descriptors.binary_sky import binary_sky, panorama_binary_sky
 from insectnav.vision.descriptors.descriptor import Descriptor
 from insectnav.vision.descriptors.frequency_strip import frequency_strip
 from insectnav.vision.descriptors.harmonic_basis import amplitude_spectrum, harmonic_pairs, real_harmonics
+from insectnav.vision.descriptors.patch_normalised import NOTHING, patch_normalised
 from insectnav.vision.descriptors.retinotopic import retinotopic
+from insectnav.vision.descriptors.sky_contour import (
+    contour_amplitudes,
+    contour_coefficients,
+    panorama_contour_amplitudes,
+    redraw_contour,
+    sky_contour,
+)
 from insectnav.vision.descriptors.spherical_harmonics import (
     harmonic_amplitudes,
     harmonic_coefficients,
@@ -16,6 +25,7 @@ from insectnav.vision.descriptors.wrapped_disk import wrap_to_disk, zernike_disk
 from insectnav.vision.descriptors.zernike import zernike_amplitudes, zernike_coefficients
 from insectnav.vision.descriptors.zernike_basis import radial_polynomials, zernike_pairs, zernike_weights
 
+MILFORD_2012 = "Milford & Wyeth 2012, doi 10.1109/ICRA.2012.6224623"
 STONE_2018 = "Stone et al. 2018, doi 10.1098/rsfs.2018.0010"
 DESCRIPTORS = {
     descriptor.name: descriptor
@@ -46,6 +56,33 @@ DESCRIPTORS = {
             is_heading_free=True,
             source="Stone et al., ICRA 2016; sampling: Driscoll & Healy 1994, doi 10.1006/aama.1994.1008",
         ),
+        Descriptor(
+            name="patch-normalised",
+            describe=patch_normalised,
+            is_heading_free=False,
+            metric="cosine",
+            source=MILFORD_2012,
+        ),
+        Descriptor(
+            name="patch-normalised-v1",
+            describe=partial(patch_normalised, rounded=True, flat_patch=NOTHING),
+            is_heading_free=False,
+            metric="openseqslam-v1",
+            source=f"OpenSeqSLAM v1, after {MILFORD_2012}",
+        ),
+        Descriptor(
+            name="binary-sky",
+            describe=panorama_binary_sky,
+            is_heading_free=False,
+            metric="hamming",
+            source="Stone et al., RSS 2014, doi 10.15607/RSS.2014.X.047",
+        ),
+        Descriptor(
+            name="sky-contour",
+            describe=panorama_contour_amplitudes,
+            is_heading_free=True,
+            source="Persoon & Fu 1977, doi 10.1109/TSMC.1977.4309681",
+        ),
     )
 }
 
@@ -53,13 +90,21 @@ __all__ = [
     "DESCRIPTORS",
     "Descriptor",
     "amplitude_spectrum",
+    "binary_sky",
+    "contour_amplitudes",
+    "contour_coefficients",
     "frequency_strip",
     "harmonic_amplitudes",
     "harmonic_coefficients",
     "harmonic_pairs",
+    "panorama_binary_sky",
+    "panorama_contour_amplitudes",
+    "patch_normalised",
     "radial_polynomials",
     "real_harmonics",
+    "redraw_contour",
     "retinotopic",
+    "sky_contour",
     "sphere_amplitudes",
     "sphere_coefficients",
     "wrap_to_disk",

@@ -1,0 +1,88 @@
+"""Frames of a video, one after the other, without holding more than one of them."""
+
+import os
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insectnav.checks import InputError, check_count, quoted
+
+MAX_PIXELS = 200_000_000  # of a frame
+
+
+class VideoFacts(NamedTuple):
+    """What the file says of itself; n_frames is 0 where it does not say."""
+
+    n_frames: int
+    frames_per_second: float
+    size: tuple[int, int]
+
+
+def video_facts(path: str | os.PathLike[str]) -> VideoFacts:
+    """Number of frames, frames per second and (rows, columns) as the file says.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be opened as a video.
+    """
+    import cv2
+
+    with closing(_Capture(path)) as capture:
+        return VideoFacts(
+            max(0, round(capture.get(cv2.CAP_PROP_FRAME_COUNT))),
+            float(capture.get(cv2.CAP_PROP_FPS)),
+            (round(capture.get(cv2.CAP_PROP_FRAME_HEIGHT)), round(capture.get(cv2.CAP_PROP_FRAME_WIDTH))),
+        )
+
+
+def video_frames(path: str | os.PathLike[str], step: int = 1) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Number, from 0, and picture (rows, columns, 3) red, green, blue of every `step`-th frame.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be opened as a video, or holds no frame that can be decoded.
+    """
+    import cv2
+
+    check_count("step", step)
+    with closing(_Capture(path)) as capture:
+        number = 0
+        while capture.source.grab():
+            if number % step == 0:
+                is_there, frame = capture.source.retrieve()
+                if not is_there:
+                    break
+                yield number, np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8)
+            number += 1
+        if number == 0:
+            raise InputError(f"{quoted(Path(path).name, 200)} holds no frame that can be decoded: truncated?")
+
+
+class _Capture:
+    """An open video; to be closed."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        import cv2
+
+        place, name = Path(path), quoted(Path(path).name, 200)
+        if not place.is_file():
+            raise InputError(f"{name} does not exist, expected a video")
+        self.source = cv2.VideoCapture(str(place), cv2.CAP_FFMPEG)
+        if not self.source.isOpened():
+            raise InputError(f"{name} cannot be opened as a video, expected MP4, AVI, MOV or the like: truncated?")
+        rows, columns = self.get(cv2.CAP_PROP_FRAME_HEIGHT), self.get(cv2.CAP_PROP_FRAME_WIDTH)
+        if rows * columns > MAX_PIXELS:
+            self.close()
+            raise InputError(f"{name} has frames of {rows:g} × {columns:g} pixels, expected at most {MAX_PIXELS:.0e}")
+
+    def get(self, what: int) -> Any:
+        return self.source.get(what)
+
+    def close(self) -> None:
+        self.source.release()

@@ -1,0 +1,80 @@
+"""Pictures to be worked through: photographs and frames of videos, one after the other, each read when it is needed."""
+
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+from numpy.typing import NDArray
+
+from insectnav.checks import InputError
+from insectnav.datasets.image_folder import VIDEOS, FoundImages, read_image
+from insectnav.datasets.video import video_facts, video_frames
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """One picture to come: what to call its results, the file, whether it is a frame, and what reads it."""
+
+    name: str
+    file: Path
+    is_frame: bool
+    read: Callable[[], NDArray[Any]]
+
+
+def sources(found: FoundImages, step: int) -> Iterator[Source]:
+    """Pictures in their order, every `step`-th frame of videos among them; names that occur twice are numbered.
+
+    What cannot be read raises InputError when it is read, so that the others go on.
+    """
+    total = Counter(path.stem for path in found.files)
+    seen: Counter[str] = Counter()
+    for path in found.files:
+        seen[path.stem] += 1
+        name = path.stem if total[path.stem] == 1 else f"{path.stem}-{seen[path.stem]}"
+        if path.suffix.lower() not in VIDEOS:
+            yield Source(name=name, file=path, is_frame=False, read=partial(read_image, path))
+            continue
+        try:
+            for number, frame in video_frames(path, step):
+                yield Source(name=f"{name}_{number:06d}", file=path, is_frame=True, read=partial(_given, frame))
+        except InputError as error:
+            yield Source(name=name, file=path, is_frame=True, read=partial(_given, error))
+
+
+def _given(value: Any) -> Any:
+    if isinstance(value, InputError):
+        raise value
+    return value
+
+
+def count_pictures(found: FoundImages, step: int) -> int:
+    """How many pictures are to come, as far as the files say."""
+    return sum(_count(path, step) for path in found.files)
+
+
+def _count(path: Path, step: int) -> int:
+    if path.suffix.lower() not in VIDEOS:
+        return 1
+    try:
+        return -(-video_facts(path).n_frames // step)
+    except InputError:
+        return 1
+
+
+def in_order(function: Callable[[Item], Result], items: Iterable[Item], n_threads: int) -> Iterator[Result]:
+    """Results in the order of the items, which several threads work on; few items are held at a time."""
+    waiting: deque[Future[Result]] = deque()
+    with ThreadPoolExecutor(n_threads) as pool:
+        for item in items:
+            waiting.append(pool.submit(function, item))
+            if len(waiting) > 2 * n_threads:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()

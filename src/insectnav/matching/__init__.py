@@ -1,0 +1,48 @@
+"""Where on a known route a view was taken: frames compared, sequences of them matched, headings found."""
+
+from insectnav.matching.compass import (
+    TurnMatrix,
+    VisualCompass,
+    disk_turn_matrix,
+    nearest_view,
+    turn_matrix,
+    turns_of_matches,
+)
+from insectnav.matching.constellations import ConstellationIndex, ConstellationParams, constellation_index, locate
+from insectnav.matching.difference import METRICS, References, difference_matrix, prepare_references
+from insectnav.matching.rotation import RotationIndex, RotationParams, build_rotation_index
+from insectnav.matching.rotation_matches import RotationMatches, rotation_angles, rotation_between
+from insectnav.matching.seqslam import OPENSEQSLAM_V1, Matches, SeqSlamParams, enhance_contrast, seqslam
+from insectnav.matching.stream import Stream, StreamMatch, begin_stream, locate_next
+
+__all__ = [
+    "METRICS",
+    "OPENSEQSLAM_V1",
+    "ConstellationIndex",
+    "ConstellationParams",
+    "Matches",
+    "References",
+    "RotationIndex",
+    "RotationMatches",
+    "RotationParams",
+    "SeqSlamParams",
+    "Stream",
+    "StreamMatch",
+    "TurnMatrix",
+    "VisualCompass",
+    "begin_stream",
+    "build_rotation_index",
+    "constellation_index",
+    "difference_matrix",
+    "disk_turn_matrix",
+    "enhance_contrast",
+    "locate",
+    "locate_next",
+    "nearest_view",
+    "prepare_references",
+    "rotation_angles",
+    "rotation_between",
+    "seqslam",
+    "turn_matrix",
+    "turns_of_matches",
+]
