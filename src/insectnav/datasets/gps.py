@@ -16,6 +16,7 @@ from insectnav.datasets.track_table import read_bytes
 SEMI_MAJOR_AXIS = 6_378_137.0  # [m] WGS84, NIMA TR8350.2 (2000), table 3.1
 FLATTENING = 1 / 298.257223563  # WGS84, the same table
 ECCENTRICITY_SQUARED = FLATTENING * (2 - FLATTENING)
+MAX_BYTES = 512 * 2**20  # of a file
 SNIFFED = 65_536  # bytes, of which some sentence must be whole
 MAX_REACH = 1_000_000.0  # [m] from the origin; beyond, a fix is off or the plane is the wrong picture
 
@@ -35,12 +36,10 @@ def read_gps(path: str | PathLike[str], *, first_day: date | None = None) -> Gps
     """
     path = Path(path)
     try:
-        data = read_bytes(path, "a GPX file or a log of NMEA sentences", nmea_logs.MAX_BYTES)
+        data = read_bytes(path, "a GPX file or a log of NMEA sentences", MAX_BYTES)
         kind = gps_kind(data)
         if kind == "gpx":
-            if len(data) > gpx_files.MAX_BYTES:
-                raise InputError(f"the file is larger than {gpx_files.MAX_BYTES // 2**20} MB, expected a single track")
-            return gpx_files.parse_gpx(_text(data))
+            return gpx_files.parse_gpx(data)
         if kind == "nmea":
             # A damaged byte spoils its own sentence alone, whose checksum tells.
             return nmea_logs.parse_nmea(data.decode("ascii", "replace"), first_day)
@@ -52,16 +51,9 @@ def read_gps(path: str | PathLike[str], *, first_day: date | None = None) -> Gps
 def gps_kind(data: bytes) -> str | None:
     """What a file is by its first bytes: "gpx", "nmea" or None."""
     start = data[:SNIFFED].removeprefix(b"\xef\xbb\xbf").lstrip()
-    if start.startswith(b"<") or start.startswith((b"\xff\xfe", b"\xfe\xff")):
+    if start.startswith((b"<", b"\xff\xfe<", b"\xfe\xff\0<")):  # the last two in UTF-16
         return "gpx"
     return "nmea" if nmea_logs.SENTENCE.search(start) else None
-
-
-def _text(data: bytes) -> str:
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError("not text in UTF-8, expected GPX: saved in another encoding, or compressed?") from None
 
 
 def local_plane(

@@ -18,8 +18,8 @@ def read_key_frames(path: str | PathLike[str]) -> Floats:
 
     Parameters
     ----------
-    path : CSV or TSV file with the columns ``query`` and ``reference``; an empty reference says that the place is not in
-        the map
+    path : CSV or TSV file with the columns ``query`` and ``reference``; an empty reference says that the place is not
+        in the map
 
     Raises
     ------
