@@ -86,10 +86,8 @@ class _Reader:
         self.path.pop()
 
     def refuse_document_type(self, *declaration: object) -> None:
-        raise InputError(
-            f"the file declares a document type ({quoted(declaration[0])}), expected none: GPX has no use for it, and it "
-            "could do harm"
-        )
+        name = quoted(declaration[0])
+        raise InputError(f"the file declares a document type ({name}), expected none: GPX has no use for it")
 
     def _seconds(self) -> float:
         """Seconds since 1970-01-01 UTC."""
