@@ -81,9 +81,9 @@ def local_plane(
     Azimuthal equidistant: distance and bearing from the origin are those on the ellipsoid. The direction and the chord
     to a place are found in the plane that touches the ellipsoid at the origin, and the chord is bent to an arc of the
     radius that the ellipsoid has in this direction (Euler's formula). Against geodesics a place is so off by less than
-    1 mm within 30 km, 2 cm at 100 km, 40 cm at 300 km and 14 m at 1000 km. Between two places at a distance d from the origin, lengths
-    across are too long by d²/6R²: 4 parts in 10 million at 10 km, 4 in 100 000 at 100 km. Lengths are those on the
-    ellipsoid; at a height h they are h/R longer, 16 cm in a kilometre at 1000 m.
+    1 mm within 30 km, 2 cm at 100 km, 40 cm at 300 km and 14 m at 1000 km. Between two places at a distance d from the
+    origin, lengths across are too long by d²/6R²: 4 parts in 10 million at 10 km, 4 in 100 000 at 100 km. Lengths are
+    those on the ellipsoid; at a height h they are h/R longer, 16 cm in a kilometre at 1000 m.
     """
     latitude, longitude = as_numbers("latitude", latitude_deg), as_numbers("longitude", longitude_deg)
     check_shape("latitude", latitude, ("n",))
