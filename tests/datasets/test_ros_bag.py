@@ -1,6 +1,7 @@
 """Bags of ROS 1 and 2, written by rosbags: pictures, positions, the choice of a topic, and bags that mean harm."""
 
 import bz2
+import sys
 from pathlib import Path
 
 import cv2
@@ -303,6 +304,13 @@ def test_missing_bags_and_folders_that_are_none_are_refused(tmp_path: Path):
     (tmp_path / "metadata.yaml").write_text("rosbag2_bagfile_information: {version: 99}")
     with pytest.raises(InputError, match="cannot be read as a bag"):
         bag_topics(tmp_path)
+
+
+def test_without_the_extra_the_error_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "a.bag").write_bytes(b"")
+    monkeypatch.setitem(sys.modules, "rosbags", None)
+    with pytest.raises(InputError, match=r"pip install insectnav\[robot\]"):
+        bag_topics(tmp_path / "a.bag")
 
 
 @pytest.fixture(scope="module")
