@@ -10,7 +10,8 @@ from insectnav.angles import wrap
 from insectnav.experiments.stone2014_places.route_pairs import SAMPLING, TOLERANCE, Run
 from insectnav.experiments.stone2014_places.walk_frames import grey_of
 from insectnav.experiments.stone2014_places.walks import Walk
-from insectnav.matching import N_TURNS, TurnMatrix, disk_turn_matrix, nearest_view, prepare_references, turn_matrix
+from insectnav.matching import TurnMatrix, disk_turn_matrix, nearest_view, prepare_references, turn_matrix
+from insectnav.matching.compass import N_TURNS
 from insectnav.metrics.retrieval import position_error
 
 REFERENCES_AT_ONCE = 500  # skies in memory: 250 MB

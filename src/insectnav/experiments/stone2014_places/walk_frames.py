@@ -1,4 +1,4 @@
-"""The frames of a section of a day's walk: rendered, taken by two cameras, segmented, and what is kept to be compared."""
+"""Frames of a section of a walk: rendered, taken by two cameras, segmented, and what is kept to be compared."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,6 +16,7 @@ from insectnav.experiments.stone2014_places.mirror import (
     unwrapped,
 )
 from insectnav.experiments.stone2014_places.walk import DAYS, VARIATIONS, lit_city, walked
+from insectnav.records import Mesh
 from insectnav.vision.cameras import panorama
 from insectnav.vision.descriptors import binary_sky, contour_amplitudes, harmonic_amplitudes, zernike_amplitudes
 from insectnav.vision.sensor import Sensor, auto_exposure, expose, white_balance
@@ -23,6 +24,7 @@ from insectnav.vision.sky_segmentation import segment
 from insectnav.worlds.sky import Sky
 from insectnav.worlds.views import render
 
+TREE = ("leaves", "bark")  # materials
 VISIBLE = ("red", "green", "blue")
 LUMA = (0.299, 0.587, 0.114)  # ITU-R BT.601, of numbers as encoded
 SKY_SIZE, GREY_SIZE, UNWRAPPED = 90, 16, (28, 180)  # [px] section II-F
@@ -36,6 +38,7 @@ CAMERA = Sensor(saturation_radiance=1.0, response="srgb")
 
 Arrays = Mapping[str, tuple]
 Bytes = NDArray[np.uint8]
+Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,8 +95,9 @@ def section_arrays(section: Section, seed: int) -> Arrays:
     pixels = mirror_pixels(section.mirror_size, section.resolution_deg)
     views = render(
         world, held.position[numbers], held.heading[numbers], held.pitch[numbers], held.roll[numbers],
-        camera=camera, layers=("uv", *VISIBLE, "sky"), supersampling=section.supersampling, workers=1,
+        camera=camera, layers=("uv", *VISIBLE, "sky", "triangle"), supersampling=section.supersampling, workers=1,
     )  # fmt: skip
+    views["tree"] = shows_tree(world.mesh, views.pop("triangle"))
     frames = [
         _kept({name: layer[k] for name, layer in views.items()}, pixels, variation.segmentation, seed, noise)
         for k, noise in enumerate((100_000 * day.number + numbers).tolist())
@@ -127,9 +131,25 @@ def _kept(view: Mapping[str, Any], pixels: MirrorPixels, method: str, seed: int,
         "contour": contour_amplitudes(sky).astype(np.float32),
         "zernike": zernike_amplitudes(outline).astype(np.float32),
         "harmonics": harmonic_amplitudes(outline, n_degrees=N_DEGREES).astype(np.float32),
-        "sky_share": np.float32(view["sky"].mean()),
+        "sky_share": above_horizon(view["sky"]),
+        "tree_share": above_horizon(view["tree"]),
         "right_pixels": np.float32((sky == truth)[pixels.seen].mean()),
     }
+
+
+def shows_tree(mesh: Mesh, triangle: NDArray[np.int32]) -> Bools:
+    """Whether the nearest thing in each pixel is a tree, from numbers of triangles (...)."""
+    is_tree = np.isin(np.asarray(mesh.materials)[np.asarray(mesh.material)], TREE)
+    return (triangle >= 0) & is_tree[np.maximum(triangle, 0)]
+
+
+def above_horizon(layer: NDArray[Any]) -> np.float32:
+    """Mean of a panorama (rows, columns) over the solid angle above its horizon."""
+    low, high = np.deg2rad(ELEVATIONS_DEG)
+    rows = len(layer)
+    elevation = high - (np.arange(rows) + 0.5) * (high - low) / rows
+    weight = np.cos(elevation) * (elevation > 0.0)
+    return np.float32(layer.mean(axis=1) @ weight / weight.sum())
 
 
 def uv_picture(radiance: NDArray[Any], pixels: MirrorPixels, seed: int, noise: int) -> Bytes:
