@@ -16,7 +16,7 @@ from insectnav.experiments.stone2014_places import fig_4ab
 from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, Run, pooled, route_pairs
 from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS, UV, Way
 from insectnav.experiments.stone2014_places.walk_frames import Section, section_arrays
-from insectnav.experiments.stone2014_places.walks import Walk, both_walks
+from insectnav.experiments.stone2014_places.walks import Walk, both_walks, whole_or_why_not
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -80,6 +80,7 @@ def _row(runs: Sequence[Run], walks: Mapping[str, Walk], way: Way) -> dict[str, 
     is_under = trees > UNDER_TREES
     return {
         "metric": way.metric,
+        "n_frames": sum(len(walk) for walk in walks.values()),
         "n_features": way.features(next(iter(walks.values()))).shape[1],
         "n_runs": len(runs),
         "n_matches": int(is_matched.sum()),
@@ -150,7 +151,8 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
         f"{row['precision_under_trees']:.1f} %"
         for name, row in rows.items()
     )
-    return [judge(value, *ours[value.quantity], why=why) for value in published.values()]
+    part = whole_or_why_not(sky["n_frames"])
+    return [judge(value, *ours[value.quantity], why=why, not_comparable=part) for value in published.values()]
 
 
 def _less(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, float]:

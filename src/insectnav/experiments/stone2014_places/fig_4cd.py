@@ -18,7 +18,7 @@ from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, Pair, 
 from insectnav.experiments.stone2014_places.sequence_ways import UV as UV_SEQUENCE
 from insectnav.experiments.stone2014_places.walk_frames import Section, section_arrays
 from insectnav.experiments.stone2014_places.walk_maps import draw_directions
-from insectnav.experiments.stone2014_places.walks import Walk, both_walks
+from insectnav.experiments.stone2014_places.walks import Walk, both_walks, whole_or_why_not
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -79,9 +79,11 @@ def _all_runs(results: Results) -> dict[str, list[CompassRun]]:
 def summarise(results: Results) -> Table:
     """A row for each way, of both directions together and of each."""
     rows = []
+    n_frames = sum(len(walk) for walk in _walks(results).values())
     for name, runs in _all_runs(results).items():
         for which, chosen in (("both", runs), *((run.query_day, [run]) for run in runs)):
-            rows.append({"way": name, "queries_of": which, "kind": "rendered"} | _row(chosen))
+            about = {"way": name, "queries_of": which, "kind": "rendered", "n_frames": n_frames}
+            rows.append(about | _row(chosen))
     return rows
 
 
@@ -178,7 +180,8 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
         "direction off the course, median, UV": (uv["median_astray_deg"], 0.0),
         "precision, SeqSLAM first less compass alone, UV": _less(after, uv, "precision"),
     }
-    return [judge(value, *ours[value.quantity], why=_why(rows)) for value in published.values()]
+    why, part = _why(rows), whole_or_why_not(uv["n_frames"])
+    return [judge(value, *ours[value.quantity], why=why, not_comparable=part) for value in published.values()]
 
 
 def _less(one: Mapping[str, Any], other: Mapping[str, Any], name: str) -> tuple[float, float]:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.experiments.experiment import Results
-from insectnav.experiments.stone2014_places.walk_frames import MIRROR_SIZE, SKY_SIZE
+from insectnav.experiments.stone2014_places.walk import DAYS
+from insectnav.experiments.stone2014_places.walk_frames import SKY_SIZE
 from insectnav.vision.descriptors import binary_sky
 
 Bools = NDArray[np.bool_]
@@ -64,9 +65,14 @@ def walk_of(results: Results, day: str, **wanted: Any) -> Walk:
     return Walk(day=day, every=first.every, mirror_size=first.mirror_size, arrays=arrays)
 
 
+def whole_or_why_not(n_frames: int) -> str:
+    """Why numbers of so many frames are not to be held against published ones; nothing if all of both days are there."""
+    n_published = sum(day.n_frames for day in DAYS.values())
+    if n_frames == n_published:
+        return ""
+    return f"{n_frames} frames of a part of the walk, expected all {n_published}: run it at full scale"
+
+
 def both_walks(results: Results, **wanted: Any) -> dict[str, Walk]:
     """Walks of both days."""
     return {day: walk_of(results, day, **wanted) for day in results.by("day")}
-
-
-__all__ = ["MIRROR_SIZE", "Walk", "both_walks", "walk_of"]
