@@ -16,6 +16,7 @@ from insectnav.experiments.stone2014_places.route_pairs import (
     Pair,
     Run,
     begins_at_first,
+    contrast_of,
     pooled,
     route_pairs,
     run_pair,
@@ -108,6 +109,16 @@ def test_standard_error_of_a_share_is_that_of_stretches():
     assert together[1] == pytest.approx(np.sqrt(0.16 / 40), rel=0.15)
 
 
+def test_contrast_is_the_difference_of_means_and_its_error_that_of_stretches():
+    rng = np.random.default_rng(0)
+    chosen = np.arange(2000) % 2 == 0
+    values = rng.standard_normal(2000) + 3.0 * chosen
+    found_contrast = contrast_of(values, chosen, 100.0 * np.arange(2000))
+    assert found_contrast[0] == pytest.approx(3.0, abs=0.15)
+    assert found_contrast[1] == pytest.approx(np.sqrt(2.0 / 1000.0), rel=0.2)
+    assert np.isnan(contrast_of(values, np.ones(2000, bool), np.arange(2000.0))[0])
+
+
 # What is compared.
 
 
@@ -190,17 +201,23 @@ def sequence_row(way: str, recall: float, precision: float, **changed: float) ->
         "precision_at_full_recall": precision, "precision_error": 0.5, "right_pixels_where_right": 99.0,
     }  # fmt: skip
     row |= {f"precision_within_{t:.0f}_m": precision for t in fig_4ab.TOLERANCES}
-    row |= {f"{name}_where_{word}": 10.0 for name in ("tree_share", "sky_share") for word in ("right", "wrong")}
+    row |= {
+        "mean_recall_of_runs": recall,
+        "lowest_precision_of_runs": precision,
+        "highest_precision_of_runs": precision,
+    }
+    row |= {f"{name}_{word}": 1.0 for name in ("tree_share", "sky_share") for word in ("where_right", "where_wrong")}
+    row |= {f"{name}_{word}": 1.0 for name in ("tree_share", "sky_share") for word in ("wrong_less_right", "error")}
     return row | changed
 
 
 def test_verdicts_of_seqslam_follow_from_the_table():
     others = [sequence_row(way.name, 50.0, 80.0) for way in OTHERS]
-    trees = {"tree_share_where_wrong": 20.0, "sky_share_where_wrong": 5.0}
+    trees = {"tree_share_wrong_less_right": 2.0, "sky_share_wrong_less_right": -5.0}
     table = [sequence_row(UV.name, 80.0, 94.0, **trees), sequence_row(VISIBLE.name, 60.0, 97.0), *others]
     as_printed = verdicts("stone2014-fig-4ab", table)
     assert {verdict.verdict for verdict in as_printed.values()} == {AGREES}
-    table[0] = sequence_row(UV.name, 40.0, 70.0, tree_share_where_wrong=5.0)
+    table[0] = sequence_row(UV.name, 40.0, 70.0, tree_share_wrong_less_right=-5.0)
     other = verdicts("stone2014-fig-4ab", table)
     assert other["recall at 100 % precision, UV"].verdict == DIFFERS
     assert other["trees above the horizon, wrong less right matches, UV"].verdict == DIFFERS
@@ -213,7 +230,7 @@ def test_verdicts_of_the_compass_take_the_better_of_grey_and_colour():
     def row(way: str, precision: float, away: float) -> dict[str, Any]:
         return {
             "way": way, "queries_of": "both", "n_frames": 2789, "precision": precision, "precision_error": 1.0,
-            "precision_within_40_m": precision, "leads_away": away, "leads_away_error": 1.0, "median_astray_deg": 4.0,
+            "precision_within_10_m": precision, "leads_away": away, "leads_away_error": 1.0, "median_astray_deg": 4.0,
         }  # fmt: skip
 
     table = [row(way, 84.0, 5.0) for way in fig_4cd.WAYS]
@@ -230,6 +247,7 @@ def test_verdicts_of_descriptors_and_variations_follow_from_the_table():
         return {
             "descriptor": name, "rig": "as carried", "n_frames": 2789, "precision_at_full_recall": precision,
             "precision_error": 0.5, "precision_under_trees": under, "precision_elsewhere": precision,
+            "under_trees_less_elsewhere": under - precision, "under_trees_error": 0.01,
         }  # fmt: skip
 
     names = descriptors_walk.NAMES

@@ -1,5 +1,7 @@
 """The rendered walk: its days and poses, the mirror, and what is kept of its frames."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -76,6 +78,23 @@ def test_variations_have_names_of_their_own_and_change_what_they_say():
     assert level.heading.std() > 0.0
     with pytest.raises(Exception, match="day"):
         VARIATIONS["as set"].day("may")
+
+
+def test_street_trees_stand_beside_the_way_on_their_stretches():
+    day = DAYS["april"]
+    without, city = city_of(replace(day, has_street_trees=False), 0.0, 0), city_of(day, 0.0, 0)
+    n = without.mesh.n_triangles
+    assert_array_equal(city.mesh.vertices[:n], without.mesh.vertices)
+    names = np.asarray(city.mesh.materials)[city.mesh.material]
+    assert_array_equal(names[:n], np.asarray(without.mesh.materials)[without.mesh.material])
+    assert set(names[n:]) == {"leaves", "bark"}
+    feet = city.mesh.vertices[n:][names[n:] == "bark"]
+    feet = feet[feet[..., 2].max(axis=1) < 12.0].reshape(-1, 3)
+    low = feet[feet[:, 2] < 0.01, :2]
+    away = np.hypot(*(low[:, None] - city.route[None]).transpose(2, 0, 1)).min(axis=1)
+    assert 1.0 < away.min() < away.max() < 3.0  # 2 m aside, trunks of 0.2 m, a way point every metre
+    bare = city_of(DAYS["january"], 0.0, 0)
+    assert bare.mesh.n_triangles < city.mesh.n_triangles
 
 
 # The mirror.

@@ -14,7 +14,7 @@ from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2014_places import compass_runs, fig_4ab
 from insectnav.experiments.stone2014_places.compass_runs import CompassRun, both_directions, queries_of
-from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, Pair, share_of
+from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, TOLERANCES, Pair, share_of
 from insectnav.experiments.stone2014_places.sequence_ways import UV as UV_SEQUENCE
 from insectnav.experiments.stone2014_places.walk_frames import Section, section_arrays
 from insectnav.experiments.stone2014_places.walk_maps import draw_directions
@@ -30,7 +30,6 @@ UV, UV_UNMOVED, UV_AFTER = "UV, binary sky", "UV, sky not centred", "UV, SeqSLAM
 GREY, COLOUR, NORMAL = "visible, grey", "visible, colour", "visible, grey, normalised"
 WAYS = (UV, UV_UNMOVED, UV_AFTER, GREY, COLOUR, NORMAL)
 UNMOVED_REDUCTION = 3  # of the mirror picture where it is not centred: bits enough, a ninth of the time
-TOLERANCES = (10.0, TOLERANCE, 40.0)  # [m]
 AWAY = float(np.deg2rad(45.0))  # [rad] from the course, at which a direction leads away from the way; assumed
 
 
@@ -191,7 +190,7 @@ def _less(one: Mapping[str, Any], other: Mapping[str, Any], name: str) -> tuple[
 
 def _why(rows: Mapping[str, Mapping[str, Any]]) -> str:
     parts = [
-        f"{name} {row['precision']:.1f} % within {TOLERANCE:.0f} m ({row['precision_within_40_m']:.1f} % within 40 m), "
+        f"{name} {row['precision']:.1f} % within {TOLERANCE:.0f} m ({row['precision_within_10_m']:.1f} % within 10 m), "
         f"{row['leads_away']:.1f} % lead away"
         for name, row in rows.items()
     ]

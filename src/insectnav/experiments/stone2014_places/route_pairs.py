@@ -18,7 +18,10 @@ from insectnav.metrics.retrieval import (
 )
 
 SAMPLING = 10  # [s] from frame to frame of a set, section II-F
-TOLERANCE = 20.0  # [m] to a right match; the paper tells none. Frames of a set are about 15 m apart
+# To a right match; the paper tells none. Two frames of a set: OpenSeqSLAM v1 places a match up to one frame from where
+# its line runs, and the nearest frame of the other set may be half a frame away.
+TOLERANCE = 30.0  # [m]
+TOLERANCES = (10.0, 20.0, TOLERANCE, 70.0)  # [m] also told; the last is five frames, as Stone et al., ICRA 2016, count
 STRETCH = 100.0  # [m] of way that are drawn together for standard errors
 N_DRAWS = 400  # of stretches of way
 Features = Callable[[Walk], NDArray[Any]]  # (frame, feature)
@@ -149,3 +152,18 @@ def share_of(is_right: NDArray[np.bool_], distance: NDArray[np.float64]) -> tupl
     stretch = np.floor(distance / STRETCH).astype(int)
     drawn = [float(np.repeat(is_right, counts).mean()) for counts in draws_of(stretch)]
     return float(is_right.mean()), float(np.std(drawn, ddof=1))
+
+
+def contrast_of(values: NDArray[Any], chosen: NDArray[np.bool_], distance: NDArray[np.float64]) -> tuple[float, float]:
+    """Mean of the chosen values less that of the others, and its standard error, by stretches as in `pooled`.
+
+    NaN where all or none are chosen.
+    """
+    if chosen.all() or not chosen.any():
+        return float("nan"), float("nan")
+    drawn = []
+    for counts in draws_of(np.floor(distance / STRETCH).astype(int)):
+        weights = [counts * chosen, counts * ~chosen]
+        if all(weight.any() for weight in weights):
+            drawn.append(np.average(values, weights=weights[0]) - np.average(values, weights=weights[1]))
+    return float(values[chosen].mean() - values[~chosen].mean()), float(np.std(drawn, ddof=1))

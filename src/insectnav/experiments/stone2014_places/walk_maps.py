@@ -44,11 +44,11 @@ def frame_map(axes: Axes, position: Any) -> None:
     low, high = position.min(axis=0), position.max(axis=0)
     span = max(float((high - low).max()), 100.0)
     axes.set(aspect="equal", xticks=[], yticks=[])
-    axes.set_xlim(low[0] - 0.42 * span, high[0] + 0.42 * span)
+    axes.set_xlim(low[0] - 0.42 * span, high[0] + 0.55 * span)
     axes.set_ylim(low[1] - 0.1 * span, high[1] + 0.12 * span)
     for spine in axes.spines.values():
         spine.set_visible(False)
-    start = high[0] + 0.15 * span, low[1] - 0.06 * span
+    start = high[0] + 0.2 * span, low[1] - 0.06 * span
     axes.plot([start[0], start[0] + 100.0], [start[1]] * 2, color=COLOURS["black"], linewidth=1.2)
     axes.text(start[0] + 50.0, start[1] + 0.015 * span, "100 m", ha="center", va="bottom", fontsize=5.0)
 
@@ -63,7 +63,7 @@ def inset(axes: Axes, bounds: tuple[float, float, float, float]) -> Any:
 
 def draw_correspondence(axes: Axes, reference: Any, is_right: NDArray[np.bool_], labels: tuple[str, str]) -> None:
     """Number of the match against number of the query, in an inset at the upper right."""
-    small = inset(axes, (0.76, 0.7, 0.23, 0.23))
+    small = inset(axes, (0.81, 0.66, 0.19, 0.24))
     query = np.arange(len(reference))
     for chosen, colour in ((is_right, RIGHT), ((reference >= 0) & ~is_right, WRONG)):
         small.plot(query[chosen], reference[chosen], ".", color=colour, markersize=1.5)

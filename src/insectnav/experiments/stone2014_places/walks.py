@@ -66,7 +66,7 @@ def walk_of(results: Results, day: str, **wanted: Any) -> Walk:
 
 
 def whole_or_why_not(n_frames: int) -> str:
-    """Why numbers of so many frames are not to be held against published ones; nothing if all of both days are there."""
+    """Why numbers of so many frames are not to be held against published ones; nothing if all are there."""
     n_published = sum(day.n_frames for day in DAYS.values())
     if n_frames == n_published:
         return ""
