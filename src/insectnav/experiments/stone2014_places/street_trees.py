@@ -1,4 +1,4 @@
-"""Trees over stretches of the walk: the paper's fails under trees, and those of the built city stand aside of the way."""
+"""Trees over stretches of the walk: the paper's fails under trees, and those of the built city stand aside of it."""
 
 from dataclasses import replace
 
