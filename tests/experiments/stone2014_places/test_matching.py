@@ -269,6 +269,6 @@ def test_verdicts_of_descriptors_and_variations_follow_from_the_table():
 
 def test_sensitivity_varies_one_thing_at_a_time_over_the_whole_walk():
     cells = walk_sensitivity.grid("full")
-    assert {cell.every for cell in cells} == {5}
+    assert {cell.every for cell in cells} == {10}
     assert len({(cell.variation, cell.resolution_deg) for cell in cells}) == len(walk_sensitivity.VARIATIONS) + 1
     assert len({cell.variation for cell in walk_sensitivity.grid("quick")}) == 2

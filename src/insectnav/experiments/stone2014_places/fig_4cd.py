@@ -146,9 +146,10 @@ def _draw_bars(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
     axes.set_yticks(range(len(rows)), [row["way"] for row in rows])
     axes.invert_yaxis()
     axes.set(xlim=(0.0, 102.0), xlabel="%")
-    for value, name in ((84.7, "published, UV"), (44.1, "published, visible")):
-        axes.axvline(value, color=COLOURS["black"], linewidth=0.7, linestyle=":" if "UV" in name else "--", label=name)
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    for value, of in ((84.7, (0, 3)), (44.1, (3, len(rows)))):  # published, over the bars that they are of
+        axes.plot([value, value], [of[0] - 0.45, of[1] - 0.55], color=COLOURS["black"], linewidth=1.0, linestyle=":")
+    axes.lines[-1].set_label("published")
+    axes.legend(loc="lower right")
 
 
 def caption(results: Results) -> str:

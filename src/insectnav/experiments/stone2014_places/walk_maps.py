@@ -34,21 +34,21 @@ def draw_directions(axes: Axes, position: Any, direction: Any, is_right: NDArray
         known = chosen & np.isfinite(direction)
         axes.quiver(
             *position[known].T, np.sin(direction[known]), np.cos(direction[known]),
-            color=colour, angles="xy", scale_units="xy", scale=0.035, width=0.004, headwidth=5.0, label=label,
+            color=colour, angles="xy", scale_units="xy", scale=0.042, width=0.0035, headwidth=5.0, label=label,
         )  # fmt: skip
-    frame_map(axes, line)
+    frame_map(axes, line, beside=(0.36, 0.36))
 
 
-def frame_map(axes: Axes, position: Any) -> None:
-    """Equal scales, no ticks, a bar of 100 m."""
+def frame_map(axes: Axes, position: Any, beside: tuple[float, float] = (0.42, 0.55)) -> None:
+    """Equal scales, no ticks, a bar of 100 m; `beside` is room at the left and right as shares of the map."""
     low, high = position.min(axis=0), position.max(axis=0)
     span = max(float((high - low).max()), 100.0)
     axes.set(aspect="equal", xticks=[], yticks=[])
-    axes.set_xlim(low[0] - 0.42 * span, high[0] + 0.55 * span)
+    axes.set_xlim(low[0] - beside[0] * span, high[0] + beside[1] * span)
     axes.set_ylim(low[1] - 0.1 * span, high[1] + 0.12 * span)
     for spine in axes.spines.values():
         spine.set_visible(False)
-    start = high[0] + 0.2 * span, low[1] - 0.06 * span
+    start = high[0] + 0.08 * span, low[1] - 0.06 * span
     axes.plot([start[0], start[0] + 100.0], [start[1]] * 2, color=COLOURS["black"], linewidth=1.2)
     axes.text(start[0] + 50.0, start[1] + 0.015 * span, "100 m", ha="center", va="bottom", fontsize=5.0)
 
