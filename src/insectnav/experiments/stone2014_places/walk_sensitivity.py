@@ -150,8 +150,8 @@ def caption(results: Results) -> str:
     return (
         f"Rendered, no photograph: the walks of Fig. 4, a frame every {EVERY} s, mirror pictures of {size} × {size} "
         f"pixels, with one thing at a time set otherwise. a, b, c, SeqSLAM on {n_pairs} runs: the sets from the first "
-        f"frames, in both directions; d, the visual compass, against a frame every {EVERY} s and not every second. Right "
-        f"is within {TOLERANCE:.0f} m; whiskers are "
+        f"frames, in both directions; d, the visual compass, against a frame every {EVERY} s and not every second. "
+        f"Right is within {TOLERANCE:.0f} m; whiskers are "
         "standard errors by stretches of 100 m of the way. The dotted line is what came out as set."
     )
 
