@@ -39,7 +39,7 @@ def draw_directions(axes: Axes, position: Any, direction: Any, is_right: NDArray
     frame_map(axes, line, beside=(0.36, 0.36))
 
 
-def frame_map(axes: Axes, position: Any, beside: tuple[float, float] = (0.42, 0.55)) -> None:
+def frame_map(axes: Axes, position: Any, beside: tuple[float, float] = (0.48, 0.55)) -> None:
     """Equal scales, no ticks, a bar of 100 m; `beside` is room at the left and right as shares of the map."""
     low, high = position.min(axis=0), position.max(axis=0)
     span = max(float((high - low).max()), 100.0)
