@@ -36,7 +36,7 @@ def draw_directions(axes: Axes, position: Any, direction: Any, is_right: NDArray
             *position[known].T, np.sin(direction[known]), np.cos(direction[known]),
             color=colour, angles="xy", scale_units="xy", scale=0.042, width=0.0035, headwidth=5.0, label=label,
         )  # fmt: skip
-    frame_map(axes, line, beside=(0.36, 0.36))
+    frame_map(axes, line, beside=(0.46, 0.36))
 
 
 def frame_map(axes: Axes, position: Any, beside: tuple[float, float] = (0.48, 0.55)) -> None:
