@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from insectnav.experiments.experiment import Experiment
 
 _STONE_2014 = "insectnav.experiments.stone2014_sky_segmentation"
+_STONE_2014_PLACES = "insectnav.experiments.stone2014_places"
 _STONE_2017 = "insectnav.experiments.stone2017_path_integration"
 _STONE_2016 = "insectnav.experiments.stone2016_homing"
 _MODULES = {
@@ -17,6 +18,10 @@ _MODULES = {
     "stone2014-fig-3": f"{_STONE_2014}.fig_3",
     "stone2014-real-photographs": f"{_STONE_2014}.real_photographs",
     "stone2014-sensitivity": f"{_STONE_2014}.sensitivity",
+    "stone2014-fig-4ab": f"{_STONE_2014_PLACES}.fig_4ab",
+    "stone2014-fig-4cd": f"{_STONE_2014_PLACES}.fig_4cd",
+    "stone2014-descriptors-walk": f"{_STONE_2014_PLACES}.descriptors_walk",
+    "stone2014-walk-sensitivity": f"{_STONE_2014_PLACES}.walk_sensitivity",
     "stone2017-fig-4h": f"{_STONE_2017}.fig_4h",
     "stone2017-fig-5a": f"{_STONE_2017}.fig_5a",
     "stone2017-fig-5b": f"{_STONE_2017}.fig_5b",
