@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 _STONE_2014 = "insectnav.experiments.stone2014_sky_segmentation"
 _STONE_2017 = "insectnav.experiments.stone2017_path_integration"
 _STONE_2016 = "insectnav.experiments.stone2016_homing"
+_RECORDINGS = "insectnav.experiments.recordings"
 _MODULES = {
     "stone2014-table-1": f"{_STONE_2014}.table_1",
     "stone2014-fig-2": f"{_STONE_2014}.fig_2",
@@ -43,6 +44,10 @@ _MODULES = {
     "stone2016-sampling": f"{_STONE_2016}.sampling",
     "stone2016-coding": f"{_STONE_2016}.coding",
     "stone2016-clutter": f"{_STONE_2016}.clutter",
+    "recordings-nordland": f"{_RECORDINGS}.nordland",
+    "recordings-sussex": f"{_RECORDINGS}.sussex",
+    "recordings-tilted-skies": f"{_RECORDINGS}.tilted_skies",
+    "recordings-constellations": f"{_RECORDINGS}.constellations",
 }
 
 
