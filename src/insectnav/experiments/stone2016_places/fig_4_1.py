@@ -65,14 +65,14 @@ def simulate(cell: Cell, seed: int) -> Arrays:
     outline[: len(contour)] = contour
     coefficients = contour_coefficients(contour, N_FREQUENCIES)
     region = middle_region(mask)
-    overlap = [_overlap(region, coefficients[:n]) for n in range(3, len(coefficients) + 1)]
+    overlap = [_overlap(region, coefficients[:n]) for n in COEFFICIENTS]
     amplitudes = contour_amplitudes(mask)
     change = np.abs(contour_amplitudes(np.rot90(mask)) - amplitudes).max() / amplitudes.max()
     return {
         "mask": (("row", "column"), mask),
         "outline": (("corner", "xy"), _pairs(outline), {"units": "half the picture"}),
         "coefficient": (("order", "xy"), _pairs(coefficients), {"frequencies": "0, 1, -1, 2, -2, ..."}),
-        "overlap": (("n_coefficients",), np.array([np.nan, np.nan, np.nan, *overlap])),
+        "overlap": (("n_coefficients",), np.array(overlap), {"n_coefficients": COEFFICIENTS}),
         "change_by_quarter_turn": ((), np.float64(change), {"units": "largest amplitude"}),
     }
 
@@ -99,11 +99,11 @@ def summarise(results: Results) -> Table:
             "sky": cell.sky,
             "number": cell.number,
             "coefficients": n,
-            "overlap": float(arrays["overlap"][n]),
+            "overlap": float(share),
             "change_by_quarter_turn": float(arrays["change_by_quarter_turn"]),
         }
         for cell, arrays in results
-        for n in COEFFICIENTS
+        for n, share in zip(COEFFICIENTS, arrays["overlap"], strict=True)
     ]
 
 
