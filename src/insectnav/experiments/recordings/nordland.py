@@ -21,6 +21,7 @@ from insectnav.matching import (
     fabmap,
     seqslam,
 )
+from insectnav.matching.visual_words import local_features
 from insectnav.metrics.retrieval import (
     PrecisionRecall,
     area_under_curve,
@@ -78,11 +79,18 @@ def grid(scale: str) -> Sequence[Cell]:
 
 def simulate(cell: Cell, seed: int) -> Arrays:
     """How many frames of the map each match is off, and its score; NaN where there is no query or no match."""
-    off, score = np.full(N_NORDLAND, np.nan), np.full(N_NORDLAND, np.nan)
+    off, score, n_features = np.full(N_NORDLAND, np.nan), np.full(N_NORDLAND, np.nan), np.nan
     if cell.n_frames:
-        found = _by_words(cell, seed) if cell.way in (WORDS_WINTER, WORDS_SUMMER) else _by_sequences(cell)
+        if cell.way in (WORDS_WINTER, WORDS_SUMMER):
+            *found, n_features = _by_words(cell, seed)
+        else:
+            found = [*_by_sequences(cell)]
         off[: len(found[0])], score[: len(found[1])] = found
-    return {"off": (("query",), off, {"units": "frame of the map"}), "score": (("query",), score)}
+    return {
+        "off": (("query",), off, {"units": "frame of the map"}),
+        "score": (("query",), score),
+        "n_features": ((), np.float64(n_features), {"long_name": "mean of the frames of the map, for words"}),
+    }
 
 
 def _by_sequences(cell: Cell) -> tuple[np.ndarray, np.ndarray]:
@@ -101,7 +109,7 @@ def _by_sequences(cell: Cell) -> tuple[np.ndarray, np.ndarray]:
     return np.where(matches.reference >= 0, off, np.nan), matches.score
 
 
-def _by_words(cell: Cell, seed: int) -> tuple[np.ndarray, np.ndarray]:
+def _by_words(cell: Cell, seed: int) -> tuple[np.ndarray, np.ndarray, float]:
     """Words learnt from the first third of both seasons; winter, or summer half way between the frames of the map."""
     summer, winter = nordland("summer"), nordland("winter")
     training = _enlarged(np.concatenate([summer[:N_TRAINING:2], winter[:N_TRAINING:2]]))
@@ -111,10 +119,11 @@ def _by_words(cell: Cell, seed: int) -> tuple[np.ndarray, np.ndarray]:
         queries, shift = winter[N_TRAINING :: cell.every], 0.0
     else:
         queries, shift = summer[N_TRAINING + cell.every // 2 :: cell.every], 0.5
-    places = vocabulary.bags(_enlarged(summer[N_TRAINING :: cell.every]))
-    matches = fabmap(places, vocabulary.bags(_enlarged(queries)), tree)
+    features = [local_features(frame) for frame in _enlarged(summer[N_TRAINING :: cell.every])]
+    matches = fabmap(vocabulary.bags_of_features(features), vocabulary.bags(_enlarged(queries)), tree)
     off = matches.reference - (np.arange(len(queries)) + shift)
-    return np.where(matches.reference >= 0, off, np.nan), matches.score
+    n_features = float(np.mean([len(one) for one in features]))
+    return np.where(matches.reference >= 0, off, np.nan), matches.score, n_features
 
 
 def _enlarged(frames: np.ndarray) -> list[np.ndarray]:
@@ -142,6 +151,7 @@ def summarise(results: Results) -> Table:
             "length": cell.sequence_length,
             "kind": "real recording" if cell.n_frames else MISSING,
             "queries": int(np.isfinite(arrays["score"]).sum()),
+            "features_a_frame": float(arrays["n_features"]),
         }
         nothing = float("nan")
         row["precision_of_all"] = nothing if curve is None else precision_at_full_recall(curve)
