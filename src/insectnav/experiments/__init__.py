@@ -12,6 +12,8 @@ _STONE_2014 = "insectnav.experiments.stone2014_sky_segmentation"
 _STONE_2014_PLACES = "insectnav.experiments.stone2014_places"
 _STONE_2017 = "insectnav.experiments.stone2017_path_integration"
 _STONE_2016 = "insectnav.experiments.stone2016_homing"
+_STONE_2016_PLACES = "insectnav.experiments.stone2016_places"
+_RECORDINGS = "insectnav.experiments.recordings"
 _MODULES = {
     "stone2014-table-1": f"{_STONE_2014}.table_1",
     "stone2014-fig-2": f"{_STONE_2014}.fig_2",
@@ -48,6 +50,12 @@ _MODULES = {
     "stone2016-sampling": f"{_STONE_2016}.sampling",
     "stone2016-coding": f"{_STONE_2016}.coding",
     "stone2016-clutter": f"{_STONE_2016}.clutter",
+    "stone2016-fig-4-1": f"{_STONE_2016_PLACES}.fig_4_1",
+    "stone2016-fig-4-2": f"{_STONE_2016_PLACES}.fig_4_2",
+    "recordings-nordland": f"{_RECORDINGS}.nordland",
+    "recordings-sussex": f"{_RECORDINGS}.sussex",
+    "recordings-tilted-skies": f"{_RECORDINGS}.tilted_skies",
+    "recordings-constellations": f"{_RECORDINGS}.constellations",
 }
 
 
