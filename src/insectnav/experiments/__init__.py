@@ -56,6 +56,10 @@ _MODULES = {
     "recordings-sussex": f"{_RECORDINGS}.sussex",
     "recordings-tilted-skies": f"{_RECORDINGS}.tilted_skies",
     "recordings-constellations": f"{_RECORDINGS}.constellations",
+    "stone2016-fig-5": f"{_STONE_2016_PLACES}.fig_5",
+    "stone2016-fig-8": f"{_STONE_2016_PLACES}.fig_8",
+    "stone2016-fig-9": f"{_STONE_2016_PLACES}.fig_9",
+    "stone2016-cost": f"{_STONE_2016_PLACES}.cost",
 }
 
 
