@@ -82,9 +82,8 @@ with tempfile.TemporaryDirectory() as name:
     stream = both.stream(search="index")
     for frame in shown[2][:100]:
         stream, match = stream.locate_next(frame)
-    print(
-        f"frame 99 is near {both.names[match.reference_now]}, frame {match.query} was at {both.names[match.reference]}"
-    )
+    now, then = both.names[match.reference_now], both.names[match.reference]
+    print(f"frame 99 is near {now}, frame {match.query} was at {then}")
 
     # %% How long a query takes on larger and larger maps
     sizes, seconds = np.array([2000, 10_000, 50_000, 200_000]), {"exact": [], "index": []}
