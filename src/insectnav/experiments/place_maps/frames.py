@@ -22,6 +22,7 @@ Reals = NDArray[np.float64]
 ARRAYS = (".npy", ".zarr")
 BAGS = (".bag", ".mcap", ".db3")
 MAX_VECTORS = 100_000_000  # of an array
+VECTORS_AT_ONCE = 256
 MAX_FILES = 10_000_000  # of a pattern
 NOWHERE: Reals = np.full(3, np.nan)
 
@@ -219,14 +220,11 @@ def _of_array(path: Path) -> FrameSource:
     stem = path.stem
 
     def frames() -> Iterator[Frame]:
-        for number in range(len(array)):
-            yield Frame(name=f"{stem}_{number:06d}", number=number, read=partial(_row, array, number))
+        for first in range(0, len(array), VECTORS_AT_ONCE):  # a chunk of a zarr array is not read for each of its rows
+            for k, vector in enumerate(np.asarray(array[first : first + VECTORS_AT_ONCE])):
+                yield Frame(name=f"{stem}_{first + k:06d}", number=first + k, read=partial(_given, vector))
 
     return FrameSource(frames=frames(), total=len(array), is_vectors=True)
-
-
-def _row(array: Any, number: int) -> NDArray[Any]:
-    return np.asarray(array[number])
 
 
 def _open_array(path: Path) -> Any:
