@@ -54,15 +54,26 @@ class FrameSource:
     Parameters
     ----------
     frames : in the order in which they were taken
-    total : how many there are at most, as far as the files say
-    is_vectors : whether they are features already
+    total : how many there are, as far as the files say; 0 if nobody knows
+    kind : "pictures", "film", "films" (or pictures and films), "array" or "bag"
     skipped : names of files that are none, with the reason
+    files : of pictures, in the order of the frames
+    frame_rate : of a film [1/s]
+    step : of its frames every so many come
     """
 
     frames: Iterator[Frame]
     total: int
-    is_vectors: bool = False
+    kind: str
     skipped: tuple[tuple[str, str], ...] = ()
+    files: tuple[Path, ...] = ()
+    frame_rate: float = float("nan")
+    step: int = 1
+
+    @property
+    def is_vectors(self) -> bool:
+        """Whether the frames are features already."""
+        return self.kind == "array"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -187,16 +198,29 @@ def _kind(path: Path) -> str:
 
 def _of_pictures(paths: list[Path], step: int) -> FrameSource:
     found = find_images(paths, (*PICTURES, *RAW, *VIDEOS))
-    is_video = [path.suffix.lower() in VIDEOS for path in found.files]
-    rates = {path: _frame_rate(path) for path in found.files if path.suffix.lower() in VIDEOS}
-    film_step = step if all(is_video) and len(is_video) == 1 else 1
+    films = [path for path in found.files if path.suffix.lower() in VIDEOS]
+    if not films:
+        listed = [
+            Frame(name=source.name, number=number, read=source.read) for number, source in enumerate(sources(found, 1))
+        ]
+        return FrameSource(
+            frames=iter(listed), total=len(listed), kind="pictures", skipped=found.skipped, files=found.files
+        )
+    is_one = len(found.files) == 1
+    step = step if is_one else 1
 
     def frames() -> Iterator[Frame]:
-        for number, source in enumerate(sources(found, film_step)):
-            time = number * film_step / rates[source.file] if source.is_frame and len(rates) == 1 else np.nan
-            yield Frame(name=source.name, number=number * film_step, read=source.read, time=float(time))
+        for number, source in enumerate(sources(found, step)):
+            yield Frame(name=source.name, number=number * step, read=source.read)
 
-    return FrameSource(frames=frames(), total=count_pictures(found, film_step), skipped=found.skipped)
+    return FrameSource(
+        frames=frames(),
+        total=count_pictures(found, step),
+        kind="film" if is_one else "films",
+        skipped=found.skipped,
+        frame_rate=_frame_rate(films[0]) if is_one else float("nan"),
+        step=step,
+    )
 
 
 def _frame_rate(path: Path) -> float:
@@ -224,7 +248,7 @@ def _of_array(path: Path) -> FrameSource:
             for k, vector in enumerate(np.asarray(array[first : first + VECTORS_AT_ONCE])):
                 yield Frame(name=f"{stem}_{first + k:06d}", number=first + k, read=partial(_given, vector))
 
-    return FrameSource(frames=frames(), total=len(array), is_vectors=True)
+    return FrameSource(frames=frames(), total=len(array), kind="array")
 
 
 def _open_array(path: Path) -> Any:
@@ -258,7 +282,7 @@ def _of_bag(path: Path, topic: str | None) -> FrameSource:
         for number, (time, picture) in enumerate(bag_images(path, topic)):
             yield Frame(name=f"{path.stem}_{number:06d}", number=number, read=partial(_given, picture), time=float(time))
 
-    return FrameSource(frames=frames(), total=0)
+    return FrameSource(frames=frames(), total=0, kind="bag")
 
 
 def _given(value: Any) -> Any:
