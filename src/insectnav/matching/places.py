@@ -1,0 +1,286 @@
+"""Maps of places that stay on disk: made, added to, merged, and searched for where a sequence of frames was taken."""
+
+import os
+import secrets
+import shutil
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from insectnav.checks import InputError, check_choice
+from insectnav.matching.place_about import MapAbout
+from insectnav.matching.place_arrays import PlaceArrays, joined, new_places, no_places, read_places
+from insectnav.matching.place_record import MapRecord, read_record, write_record
+from insectnav.matching.place_search import check_queries, exact_matches
+from insectnav.matching.place_segments import SEGMENTS, Segments, add_segment, read_segments
+from insectnav.matching.place_store import only_writer, remove_partial, shown, whole_folder, write_arrays, written
+from insectnav.matching.seqslam import Matches, SeqSlamParams
+
+Reals = NDArray[np.floating[Any]]
+Integers = NDArray[np.int64]
+SEARCHES = ("auto", "exact", "index")
+
+
+class PlaceMap:
+    """Places along routes, in a folder on disk; a query changes nothing there.
+
+    Made by `create`, `build` or `open`, or by `merge_maps`.
+    """
+
+    path: Path
+    about: MapAbout
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._segments: Segments = {}
+        self._whole: PlaceArrays | None = None
+        self._read()
+
+    def __repr__(self) -> str:
+        return f"<PlaceMap of {self.n_places} places in {shown(self.path)}>"
+
+    @classmethod
+    def create(cls, folder: str | os.PathLike[str], about: MapAbout) -> Self:
+        """An empty map in a new folder.
+
+        Raises
+        ------
+        InputError
+            If there is something in the folder, or it cannot be written.
+        """
+        return cls(_made(Path(folder), about, []))
+
+    @classmethod
+    def build(
+        cls,
+        folder: str | os.PathLike[str],
+        descriptors: ArrayLike,
+        about: MapAbout,
+        *,
+        times: ArrayLike | None = None,
+        positions: ArrayLike | None = None,
+        names: Sequence[str] | None = None,
+    ) -> Self:
+        """A map of one route in a new folder, as of `create` and `add`.
+
+        Raises
+        ------
+        InputError
+            As of `create` and `add`.
+        """
+        return cls(_made(Path(folder), about, [new_places(about, descriptors, times, positions, names)]))
+
+    @classmethod
+    def open(cls, folder: str | os.PathLike[str]) -> Self:
+        """The map in a folder.
+
+        Raises
+        ------
+        InputError
+            If there is none, it is damaged, or it was made by a newer version of insectnav.
+        """
+        return cls(Path(folder))
+
+    def _read(self) -> None:
+        self._record = read_record(self.path)
+        self.about, frozen = self._record.about, self._record.places
+        self._whole = None
+        if frozen is None:
+            self._segments = read_segments(self.path, self.about, self._segments)
+        else:
+            self._segments = {frozen: read_places(self.path / frozen, self.about)}
+
+    @property
+    def places(self) -> PlaceArrays:
+        """All places, in the form in which they are stored."""
+        if self._whole is None:
+            parts = list(self._segments.values())
+            self._whole = joined(parts) if parts else no_places(self.about)
+        return self._whole
+
+    @property
+    def is_frozen(self) -> bool:
+        """Whether nothing can be added any more."""
+        return self._record.places is not None
+
+    @property
+    def n_places(self) -> int:
+        """Number of places."""
+        return sum(len(part.times) for part in self._segments.values())
+
+    @property
+    def descriptors(self) -> NDArray[Any]:
+        """Descriptors, (place, feature) array of the type that was given; NaN for missing frames."""
+        return self.places.descriptors()
+
+    @property
+    def times(self) -> Reals:
+        """When the frames were taken, (place,) array [s]; NaN unknown."""
+        return self.places.times
+
+    @property
+    def positions(self) -> Reals:
+        """Where, (place, 3) array [m], x east, y north, z up; NaN unknown."""
+        return self.places.positions
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the frames; empty words where they have none."""
+        return self.places.names()
+
+    @property
+    def routes(self) -> Integers:
+        """Number of the traverse of each place, (place,) array from 0; no line runs from one into the next."""
+        return self.places.routes
+
+    def add(
+        self,
+        descriptors: ArrayLike,
+        *,
+        times: ArrayLike | None = None,
+        positions: ArrayLike | None = None,
+        names: Sequence[str] | None = None,
+        new_route: bool = False,
+    ) -> None:
+        """Put more places at the end; they are on disk, and stay whatever happens then, once this returns.
+
+        Parameters
+        ----------
+        descriptors : (place, feature) array
+            In the order in which they were taken; a row of NaN for a frame that is missing.
+        times : (place,) array [s]
+            NaN where unknown.
+        positions : (place, 3) array [m]
+            x east, y north, z up; NaN where unknown.
+        names : of the frames
+        new_route : whether another traverse begins: lines do not run into it from the places before
+
+        Raises
+        ------
+        InputError
+            If the map is frozen or written by another, the descriptors are not of its kind, or the disk is full.
+        """
+        places = new_places(self.about, descriptors, times, positions, names)
+        with only_writer(self.path):
+            self._read()
+            if self.is_frozen:
+                raise InputError(f"the map {shown(self.path)} is frozen, expected one that can be added to")
+            last = next(reversed(self._segments.values()), None)
+            self._segments = add_segment(self.path, self.about, self._segments, _following(places, last, new_route))
+            self._whole = None
+
+    def freeze(self) -> None:
+        """Put all places side by side for good; nothing can be added afterwards.
+
+        Raises
+        ------
+        InputError
+            If the map is empty, frozen or written by another, or the disk is full.
+        """
+        with only_writer(self.path), written(self.path):
+            self._read()
+            if self.is_frozen or not self.n_places:
+                state = "is frozen" if self.is_frozen else "is empty"
+                raise InputError(f"the map {shown(self.path)} {state}, expected one with places that can be added to")
+            remove_partial(self.path)
+            name = f"places-{secrets.token_hex(4)}"
+            with whole_folder(self.path / name) as temporary:
+                write_arrays(temporary, self.places.as_arrays())
+            write_record(self.path, replace(self._record, places=name))
+            shutil.rmtree(self.path / SEGMENTS, ignore_errors=True)
+            self._read()
+
+    def locate(
+        self,
+        descriptors: ArrayLike,
+        params: SeqSlamParams | None = None,
+        *,
+        about: MapAbout | None = None,
+        search: str = "auto",
+        workers: int | None = None,
+        cluster: Any = None,
+    ) -> Matches:
+        """The place that each query matches best, with the frames before and after it.
+
+        Parameters
+        ----------
+        descriptors : (query, feature) array
+            In the order in which they were taken; a row of NaN for a frame that is missing.
+        params : SeqSlamParams
+        about : of the queries; refused if they were described in another way than the map
+        search : "exact" compares with all places, "index" with those that an index proposes
+        workers : threads; they change nothing in the results
+        cluster : address or client of a Dask cluster that shares the work of exact search
+
+        Returns
+        -------
+        Matches
+            The reference is the number of the place.
+
+        Raises
+        ------
+        InputError
+            If the queries are not of the map's kind, or the map has no index to search with.
+        """
+        check_choice("search", search, SEARCHES)
+        params = params or SeqSlamParams()
+        if about is not None:
+            self.about.check_same(about, "the queries")
+        queries = np.asarray(descriptors)
+        check_queries(queries, params)
+        if search == "index" or cluster is not None:
+            raise NotImplementedError
+        return exact_matches(self.places, self.about.metric, queries, params, workers)
+
+
+def merge_maps(folder: str | os.PathLike[str], maps: Sequence[PlaceMap]) -> PlaceMap:
+    """A map in a new folder with the places of all of these, in order; each keeps its routes, numbered anew.
+
+    Raises
+    ------
+    InputError
+        If they are not about the same, their origins differ, or the folder cannot be written.
+    """
+    if not maps:
+        raise InputError("there are no maps to merge, expected at least one")
+    about = maps[0].about
+    parts: list[PlaceArrays] = []
+    for other in maps:
+        about.check_same(other.about, f"the map {shown(other.path)}")
+        if other.about.origin_deg != about.origin_deg:
+            raise InputError(
+                f"origin_deg of the map {shown(other.path)} is {other.about.origin_deg}, expected {about.origin_deg} "
+                f"as of {shown(maps[0].path)}: positions from one origin?"
+            )
+        if other.n_places:
+            parts.append(_following(other.places, parts[-1] if parts else None, True))
+    return PlaceMap(_made(Path(folder), about, parts))
+
+
+def _following(places: PlaceArrays, last: PlaceArrays | None, new_route: bool) -> PlaceArrays:
+    """Places with the numbers of their routes after those before; refused if the kinds of descriptors differ."""
+    if last is None:
+        return places
+    if places.kind != last.kind:
+        raise InputError(
+            f"descriptors are {places.kind}, expected {last.kind} as those in the map: "
+            f"descriptors.astype(numpy.{last.kind})?"
+        )
+    return replace(places, routes=places.routes - places.routes[0] + last.routes[-1] + int(new_route))
+
+
+def _made(folder: Path, about: MapAbout, parts: Sequence[PlaceArrays]) -> Path:
+    """A new folder with these places, whole or not at all."""
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(f"{shown(folder)} exists, expected a new or empty folder for the map")
+    with written(folder), whole_folder(folder) as temporary:
+        segments: Segments = {}
+        (temporary / SEGMENTS).mkdir()
+        for part in parts:
+            segments = add_segment(temporary, about, segments, part)
+        write_record(temporary, MapRecord(about=about))
+    return folder
