@@ -6,6 +6,7 @@ from insectnav.angles import Floats
 from insectnav.checks import InputError
 
 GNSS_EPOCH = 315_964_800.0  # [s] 1980-01-06 on the clock that counts from 1970
+WEEKS_1024 = 1024 * 604_800.0  # [s] after which the week of a satellite receiver starts anew
 LEAP_SECONDS = 18.0  # by which satellites are ahead of UTC since 2017
 WIDEST_ZONES = 26.0  # [h] from UTC−12 to UTC+14
 UNITS = {1e3: "milliseconds", 1e6: "microseconds", 1e9: "nanoseconds"}
@@ -52,6 +53,8 @@ def _slip(one: tuple[float, float], other: tuple[float, float]) -> str:
     between = abs(one[0] - other[0])
     if abs(between - GNSS_EPOCH) < 86_400:
         return f"one clock counts from 1980, as satellites do: an offset of {GNSS_EPOCH - LEAP_SECONDS:.0f} s?"
+    if between > 1 and abs(between - WEEKS_1024 * round(between / WEEKS_1024)) < 86_400 < between:
+        return f"a receiver whose count of weeks has started anew: an offset of {between:.0f} s?"
     if min(one[0], other[0]) < UNIX <= max(one[0], other[0]):
         return "one counts from its start or the week, the other from 1970: which offset?"
     if apart <= WIDEST_ZONES * 3600:

@@ -1,16 +1,67 @@
-"""Metres east and north of a place on Earth."""
+"""Tracks of satellite receivers, and their places in metres east and north of an origin."""
+
+from datetime import date
+from os import PathLike
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from insectnav.angles import Floats
-from insectnav.checks import InputError, as_numbers, check_shape
-from insectnav.datasets.gps_track import check_degrees
+from insectnav.checks import InputError, as_numbers, check_shape, quoted
+from insectnav.datasets import gpx_files, nmea_logs
+from insectnav.datasets.gps_track import GpsTrack, check_degrees
+from insectnav.datasets.track_table import read_bytes
 
 SEMI_MAJOR_AXIS = 6_378_137.0  # [m] WGS84, NIMA TR8350.2 (2000), table 3.1
 FLATTENING = 1 / 298.257223563  # WGS84, the same table
 ECCENTRICITY_SQUARED = FLATTENING * (2 - FLATTENING)
+SNIFFED = 65_536  # bytes, of which some sentence must be whole
 MAX_REACH = 1_000_000.0  # [m] from the origin; beyond, a fix is off or the plane is the wrong picture
+
+
+def read_gps(path: str | PathLike[str], *, first_day: date | None = None) -> GpsTrack:
+    """The track in a GPX file, or in the log of a receiver (NMEA 0183).
+
+    Parameters
+    ----------
+    path : a file; what it holds decides, not its ending
+    first_day : date of the first fix [UTC], for logs that give times of day alone (no RMC and no ZDA)
+
+    Raises
+    ------
+    InputError
+        One sentence that names the file and the likely slip.
+    """
+    path = Path(path)
+    try:
+        data = read_bytes(path, "a GPX file or a log of NMEA sentences", nmea_logs.MAX_BYTES)
+        kind = gps_kind(data)
+        if kind == "gpx":
+            if len(data) > gpx_files.MAX_BYTES:
+                raise InputError(f"the file is larger than {gpx_files.MAX_BYTES // 2**20} MB, expected a single track")
+            return gpx_files.parse_gpx(_text(data))
+        if kind == "nmea":
+            # A damaged byte spoils its own sentence alone, whose checksum tells.
+            return nmea_logs.parse_nmea(data.decode("ascii", "replace"), first_day)
+        raise InputError("neither GPX nor NMEA sentences, expected one of them: a table, or another format of tracks?")
+    except InputError as error:
+        raise InputError(f"{quoted(path, limit=200)}: {error}") from None
+
+
+def gps_kind(data: bytes) -> str | None:
+    """What a file is by its first bytes: "gpx", "nmea" or None."""
+    start = data[:SNIFFED].removeprefix(b"\xef\xbb\xbf").lstrip()
+    if start.startswith(b"<") or start.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "gpx"
+    return "nmea" if nmea_logs.SENTENCE.search(start) else None
+
+
+def _text(data: bytes) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError("not text in UTF-8, expected GPX: saved in another encoding, or compressed?") from None
 
 
 def local_plane(

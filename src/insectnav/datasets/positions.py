@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import date
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,8 @@ from insectnav.angles import Floats
 from insectnav.checks import InputError, as_numbers, check_range, check_shape, quoted
 from insectnav.datasets.clocks import check_common_clock
 from insectnav.datasets.frame_times import frame_name
-from insectnav.datasets.gps import local_plane
-from insectnav.datasets.gps_track import check_degrees
+from insectnav.datasets.gps import SNIFFED, gps_kind, local_plane, read_gps
+from insectnav.datasets.gps_track import GpsTrack, check_degrees
 from insectnav.datasets.table_columns import LENGTHS, find_columns, likely_slip, listed
 from insectnav.datasets.time_columns import FRAMES, NAMES, TIMES, whole_numbers
 from insectnav.datasets.track_table import open_table, read_columns
@@ -90,6 +91,7 @@ def read_positions(
     *,
     columns: Sequence[str] | None = None,
     origin_deg: tuple[float, float] | None = None,
+    first_day: date | None = None,
 ) -> Positions:
     """Positions in a table, a GPX file or the log of a receiver (NMEA 0183).
 
@@ -103,6 +105,7 @@ def read_positions(
     columns : names of the columns of a table without a header
     origin_deg : latitude and longitude of (0, 0), for latitudes and longitudes; None takes the first. What is to be
         compared needs one origin
+    first_day : date of the first fix [UTC], for logs of a receiver that lack it
 
     Raises
     ------
@@ -110,10 +113,30 @@ def read_positions(
         One sentence that names the file, the row of a table as a spreadsheet shows it, and the likely slip.
     """
     path = Path(path)
+    if _is_gps(path):
+        return gps_positions(read_gps(path, first_day=first_day), origin_deg)
     try:
         return _table_positions(path, columns, origin_deg)
     except InputError as error:
         raise InputError(f"{quoted(path, limit=200)}: {error}") from None
+
+
+def gps_positions(track: GpsTrack, origin_deg: tuple[float, float] | None = None) -> Positions:
+    """Positions of a track in the local plane; z is the height, or 0 throughout where the track has none.
+
+    Parameters
+    ----------
+    track : of `read_gps`
+    origin_deg : latitude and longitude of (0, 0); None takes the first fix
+
+    Raises
+    ------
+    InputError
+        If a fix is beyond the reach of the plane.
+    """
+    height = track.height if np.isfinite(track.height).any() else None
+    position, origin = local_plane(track.latitude_deg, track.longitude_deg, height, origin_deg)
+    return Positions(position=position, time=track.time, segment=track.segment, origin_deg=origin, notes=track.notes)
 
 
 def positions_of_frames(
@@ -203,6 +226,15 @@ def _looked_up(positions: Positions, wanted: Sequence[Any], known: Sequence[Any]
             f"expected the same {word}s: the table of another recording?"
         )
     return np.where((rows >= 0)[:, None], positions.position[rows], np.nan)
+
+
+def _is_gps(path: Path) -> bool:
+    """Whether a file is GPX or NMEA by its beginning; what cannot be read is left to the reader of tables to refuse."""
+    try:
+        with path.open("rb") as file:
+            return gps_kind(file.read(SNIFFED)) is not None
+    except OSError:
+        return False
 
 
 def _table_positions(path: Path, columns: Sequence[str] | None, origin_deg: tuple[float, float] | None) -> Positions:
