@@ -1,0 +1,250 @@
+"""Frames located in a map: described as its places were, matched in sequences, judged where the truth is known."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insectnav.checks import InputError, quoted
+from insectnav.experiments.place_maps.choices import GivenOptions, chosen_params
+from insectnav.experiments.place_maps.describe import DescribeParams
+from insectnav.experiments.place_maps.describing import Described, Remarks, described, settled, stacked
+from insectnav.experiments.place_maps.frames import Thinning, open_frames, thinned
+from insectnav.experiments.place_maps.located import Located
+from insectnav.experiments.place_maps.truth import Truth, by_position, from_pairs, read_pairs, same_index
+from insectnav.experiments.place_maps.whereabouts import Whereabouts, placed
+from insectnav.matching.places import MapAbout, PlaceMap
+from insectnav.matching.seqslam import SeqSlamParams
+
+Reals = NDArray[np.float64]
+MOST_BYTES_OF_PICTURES = 200_000_000  # kept while queries are located
+TOLERANCE_FRAMES = 2.0  # [frame] as docs/place-recognition.md has it for Nordland
+
+
+@dataclass(frozen=True, kw_only=True)
+class TruthParams:
+    """What is known of where the queries were taken; at most one of these.
+
+    Parameters
+    ----------
+    pairs : table of queries and their places
+    same_index : whether query k was taken at place k
+    tolerance_frames : up to which a match is right
+    tolerance_m : with positions of the queries, up to which a match is right
+
+    Raises
+    ------
+    InputError
+        If they do not go together.
+    """
+
+    pairs: str | None = None
+    same_index: bool = False
+    tolerance_frames: float | None = None
+    tolerance_m: float | None = None
+
+    def __post_init__(self) -> None:
+        given = [
+            name
+            for name, is_given in (
+                ("--truth", self.pairs is not None),
+                ("--same-index", self.same_index),
+                ("--tolerance-m", self.tolerance_m is not None),
+            )
+            if is_given
+        ]
+        if len(given) > 1:
+            raise InputError(f"{' and '.join(given)} are given, expected one kind of truth")
+        if self.tolerance_frames is not None and not (self.same_index or self.pairs is not None):
+            raise InputError("--tolerance-frames is given without a truth in frames, expected --same-index or --truth")
+
+    @property
+    def tolerance(self) -> float:
+        """In frames."""
+        return TOLERANCE_FRAMES if self.tolerance_frames is None else self.tolerance_frames
+
+
+@dataclass(frozen=True, kw_only=True)
+class LocateParams:
+    """How queries are located; the fields of `BuildParams`, and how they are matched and judged.
+
+    Parameters
+    ----------
+    seqslam : how sequences are searched
+    search : "auto", "exact" or "index", as of `PlaceMap.locate`
+    threshold : matches of this score or less are kept; None keeps all
+    truth : TruthParams
+    """
+
+    given: GivenOptions = GivenOptions()
+    thinning: Thinning = Thinning()
+    where: Whereabouts = Whereabouts()
+    topic: str | None = None
+    seqslam: SeqSlamParams = SeqSlamParams()
+    search: str = "auto"
+    threshold: float | None = None
+    truth: TruthParams = TruthParams()
+    pictures: bool = True
+    workers: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Search:
+    """What came of it, with what a page needs.
+
+    Parameters
+    ----------
+    found : matches, names, positions and truth
+    features : (query, feature) of the queries
+    pictures : small ones of the queries, by number
+    describe : how frames were described
+    notes : what a person must know
+    seconds : that describing and matching took
+    """
+
+    found: Located
+    features: NDArray[np.float32]
+    pictures: Mapping[int, bytes]
+    describe: DescribeParams
+    notes: Sequence[str]
+    seconds: Mapping[str, float]
+
+
+def locate(
+    place_map: PlaceMap, places: Sequence[str], params: LocateParams, progress: Callable[[int], Any] | None = None
+) -> Search:
+    """Locate frames in a map.
+
+    Parameters
+    ----------
+    place_map : PlaceMap
+    places : folders, patterns, films, an array, a recording
+    params : LocateParams
+    progress : called with the number of frames just described
+
+    Raises
+    ------
+    InputError
+        If no frame can be used, they are fewer than a sequence, or were described otherwise than the map.
+    """
+    started = time.perf_counter()
+    about = place_map.about
+    if not place_map.n_places:
+        raise InputError(f"the map {quoted(place_map.path, 200)} is empty, expected places in it")
+    source = open_frames(places, step=params.thinning.step or 1, topic=params.topic)
+    describe = chosen_params(params.given, about, source.is_vectors)
+    placed_source = placed(source, params.where, about.origin_deg)
+    _check_origins(placed_source.origin_deg, about, params.truth)
+    left_out: list[str] = []
+    thinning = replace(params.thinning, step=(params.thinning.step or 1) // source.step) if source.step > 1 else params.thinning
+    frames = thinned(placed_source.source.frames, thinning, left_out)
+    describe, frames, notes = settled(frames, describe)
+    remarks, queries, pictures = Remarks(), [], {}
+    n_bytes = 0
+    for one in described(frames, describe, params.pictures, params.workers):
+        remarks.add(one)
+        if one.picture and n_bytes < MOST_BYTES_OF_PICTURES:
+            pictures[len(queries)] = one.picture
+            n_bytes += len(one.picture)
+        queries.append(replace(one, picture=b""))
+        if progress is not None:
+            progress(1)
+    remarks.check_any()
+    features = stacked([one.features for one in queries], _n_features(queries), "")
+    middle = time.perf_counter()
+    found = _matched(place_map, queries, features, describe, params)
+    found = replace(found, truth=_truth(found, place_map, params))
+    finished = time.perf_counter()
+    lost = [f"{len(left_out)} frames without a known time or position are left out"] if left_out else []
+    return Search(
+        found=found,
+        features=features,
+        pictures=pictures,
+        describe=describe,
+        notes=[*placed_source.notes, *notes, *lost, *remarks.sentences(""), *_warnings(found, source.is_vectors, about)],
+        seconds={"describing": middle - started, "matching": finished - middle},
+    )
+
+
+def _matched(
+    place_map: PlaceMap,
+    queries: Sequence[Described],
+    features: NDArray[np.float32],
+    describe: DescribeParams,
+    params: LocateParams,
+) -> Located:
+    """Matches with names and positions."""
+    about = place_map.about
+    own = MapAbout(
+        descriptor=describe.descriptor,
+        metric=describe.used_metric,
+        n_features=features.shape[1],
+        camera="" if describe.is_vectors else describe.camera.text,
+        settings=about.settings if describe.is_vectors else describe.settings(),
+    )
+    matches = place_map.locate(features, params.seqslam, about=own, search=params.search, workers=params.workers)
+    positions = np.stack([one.frame.position for one in queries])
+    return Located(
+        names=[one.frame.name for one in queries],
+        times=np.array([one.frame.time for one in queries]),
+        reference=np.asarray(matches.reference, np.int64),
+        score=np.asarray(matches.score, np.float64),
+        speed=np.asarray(matches.speed, np.float64),
+        place_names=place_map.names,
+        place_positions=np.asarray(place_map.positions),
+        place_routes=np.asarray(place_map.routes),
+        half_sequence=params.seqslam.n_steps // 2,
+        threshold=params.threshold,
+        query_positions=positions if np.isfinite(positions[:, :2]).all(axis=1).any() else None,
+    )
+
+
+def _truth(found: Located, place_map: PlaceMap, params: LocateParams) -> Truth | None:
+    """The truth that the user knows of."""
+    known = params.truth
+    if known.same_index:
+        return same_index(found.reference, found.place_routes, known.tolerance)
+    if known.pairs is not None:
+        pairs = read_pairs(known.pairs, found.names, found.place_names)
+        source = f"pairs of {os.path.basename(known.pairs)} (--truth)"
+        return from_pairs(found.reference, pairs, known.tolerance, source, place_map.n_places)
+    if known.tolerance_m is not None:
+        if params.where.positions is None:
+            raise InputError("--tolerance-m is given without --positions, expected a file of where the queries were")
+        query = np.full((len(found.names), 3), np.nan) if found.query_positions is None else found.query_positions
+        source = f"positions of {os.path.basename(params.where.positions)} (--positions), over the ground"
+        return by_position(found.reference, query, found.place_positions, known.tolerance_m, source)
+    return None
+
+
+def _check_origins(origin_deg: tuple[float, float] | None, about: MapAbout, truth: TruthParams) -> None:
+    """Refuse to compare metres of the queries with those of a map when one of them has no place on Earth."""
+    if origin_deg is not None and about.origin_deg is None and truth.tolerance_m is not None:
+        raise InputError(
+            "--positions are latitudes and longitudes, but the positions of the map are metres from an unknown origin, "
+            "expected x and y of the same frame"
+        )
+
+
+def _warnings(found: Located, is_vectors: bool, about: MapAbout) -> list[str]:
+    """What a user may not have meant."""
+    said = []
+    if is_vectors and about.settings.get("sky") is not None:
+        said.append(f"the features are taken to be described as the map's, by {about.descriptor}: nothing tells")
+    half = found.half_sequence
+    if half:
+        said.append(f"the first and last {half} queries have no match, since a sequence does not reach beyond them")
+    inner = found.has_sequence & ~found.is_matched
+    if inner.any():
+        said.append(f"{int(inner.sum())} more queries have no match: too many frames missing, or nothing tells places apart")
+    return said
+
+
+def _n_features(queries: Sequence[Described]) -> int:
+    return next(len(one.features) for one in queries if one.features is not None)
