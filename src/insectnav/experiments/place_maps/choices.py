@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from insectnav.checks import InputError, quoted
-from insectnav.experiments.place_maps.describe import DescribeParams
+from insectnav.experiments.place_maps.describe import VIEW_SIZE, DescribeParams
 from insectnav.experiments.place_maps.view_cameras import view_camera
 from insectnav.matching.difference import METRICS
 from insectnav.matching.places import MapAbout
@@ -66,4 +66,17 @@ def chosen_params(given: GivenOptions, about: MapAbout | None, is_vectors: bool)
             f"the map holds features that were computed elsewhere ({quoted(about.descriptor)}), expected such features "
             "here, too, as .npy or .zarr, not pictures"
         )
-    return DescribeParams(descriptor=about.descriptor, camera=camera or view_camera(about.camera), sky=str(sky))
+    return DescribeParams(
+        descriptor=about.descriptor,
+        camera=camera or view_camera(about.camera),
+        sky=str(sky),
+        view_size=_size(about.settings.get(VIEW_SIZE)),
+    )
+
+
+def _size(text: object) -> tuple[int, int] | None:
+    """Rows and columns of a setting such as 35x120."""
+    parts = str(text).split("x")
+    if len(parts) != 2 or not all(part.isdigit() and len(part) < 6 for part in parts):
+        return None
+    return int(parts[0]), int(parts[1])

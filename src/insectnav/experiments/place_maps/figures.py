@@ -133,7 +133,7 @@ def draw_precision(found: Located) -> Figure | None:
     if curve is None or found.truth is None:
         return None
     with journal_style():
-        figure = Figure(figsize=(DOUBLE_COLUMN * 0.75, 2.4), layout="constrained")
+        figure = Figure(figsize=(DOUBLE_COLUMN, 2.5), layout="constrained")
         axes = figure.subplot_mosaic("ab")
         axes["a"].plot(curve.recall, curve.precision, drawstyle="steps-pre", color=COLOURS["blue"])
         axes["a"].plot(curve.recall[-1:], curve.precision[-1:], "o", color=COLOURS["blue"], markersize=3)

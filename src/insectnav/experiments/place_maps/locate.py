@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError, quoted
 from insectnav.experiments.place_maps.choices import GivenOptions, chosen_params
-from insectnav.experiments.place_maps.describe import DescribeParams
+from insectnav.experiments.place_maps.compare import compare
+from insectnav.experiments.place_maps.describe import OF_PICTURES, ROTATED, DescribeParams
 from insectnav.experiments.place_maps.describing import Described, Remarks, described, settled, stacked
 from insectnav.experiments.place_maps.frames import Thinning, open_frames, thinned
 from insectnav.experiments.place_maps.located import Located
@@ -105,6 +106,7 @@ class Search:
     pictures : small ones of the queries, by number
     describe : how frames were described
     notes : what a person must know
+    seqslam : how sequences were searched
     seconds : that describing and matching took
     """
 
@@ -113,6 +115,7 @@ class Search:
     pictures: Mapping[int, bytes]
     describe: DescribeParams
     notes: Sequence[str]
+    seqslam: SeqSlamParams
     seconds: Mapping[str, float]
 
 
@@ -145,6 +148,9 @@ def locate(
     thinning = replace(params.thinning, step=(params.thinning.step or 1) // source.step) if source.step > 1 else params.thinning
     frames = thinned(placed_source.source.frames, thinning, left_out)
     describe, frames, notes = settled(frames, describe)
+    if describe.descriptor == ROTATED and not describe.is_vectors:
+        params = replace(params, seqslam=replace(params.seqslam, sequence_length=1))
+        notes = [*notes, "rotations are searched frame by frame, without sequences"]
     remarks, queries, pictures = Remarks(), [], {}
     n_bytes = 0
     for one in described(frames, describe, params.pictures, params.workers):
@@ -168,6 +174,7 @@ def locate(
         pictures=pictures,
         describe=describe,
         notes=[*placed_source.notes, *notes, *lost, *remarks.sentences(""), *_warnings(found, source.is_vectors, about)],
+        seqslam=params.seqslam,
         seconds={"describing": middle - started, "matching": finished - middle},
     )
 
@@ -180,15 +187,8 @@ def _matched(
     params: LocateParams,
 ) -> Located:
     """Matches with names and positions."""
-    about = place_map.about
-    own = MapAbout(
-        descriptor=describe.descriptor,
-        metric=describe.used_metric,
-        n_features=features.shape[1],
-        camera="" if describe.is_vectors else describe.camera.text,
-        settings=about.settings if describe.is_vectors else describe.settings(),
-    )
-    matches = place_map.locate(features, params.seqslam, about=own, search=params.search, workers=params.workers)
+    compared = compare(place_map, features, describe, params.seqslam, params.search, params.workers)
+    matches = compared.matches
     positions = np.stack([one.frame.position for one in queries])
     return Located(
         names=[one.frame.name for one in queries],
@@ -201,6 +201,7 @@ def _matched(
         place_routes=np.asarray(place_map.routes),
         half_sequence=params.seqslam.n_steps // 2,
         threshold=params.threshold,
+        angles_deg=compared.angles_deg,
         query_positions=positions if np.isfinite(positions[:, :2]).all(axis=1).any() else None,
     )
 
@@ -235,6 +236,11 @@ def _check_origins(origin_deg: tuple[float, float] | None, about: MapAbout, trut
 def _warnings(found: Located, is_vectors: bool, about: MapAbout) -> list[str]:
     """What a user may not have meant."""
     said = []
+    if about.camera.startswith("panorama") and about.descriptor in OF_PICTURES and not is_vectors:
+        said.append(
+            f"{about.descriptor} takes for granted that the camera faces as it did in the map: a map with --descriptor "
+            "turned-views, or of the sky, does not"
+        )
     if is_vectors and about.settings.get("sky") is not None:
         said.append(f"the features are taken to be described as the map's, by {about.descriptor}: nothing tells")
     half = found.half_sequence

@@ -26,7 +26,7 @@ Reals = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 MATCH_COLUMNS = ("query", "name", "time_s", "reference", "reference_name", "route", "score", "speed", "is_kept", "x", "y", "z")
-TRUTH_COLUMNS = ("true_reference", "is_right", "error", "error_unit")
+ANGLE_COLUMNS = ("heading_deg", "pitch_deg", "roll_deg")  # of the query in the frame of its match
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,6 +41,7 @@ class Located:
     place_names, place_positions, place_routes : (place,) of the map; positions (place, 3) [m], NaN if unknown
     half_sequence : queries at either end that have no whole sequence about them
     threshold : matches of this score or less are kept; None keeps all
+    angles_deg : (query, 3) heading, pitch and roll of each query in the frame of its match [°]; None if unknown
     query_positions : (query, 3) [m], NaN if unknown; None if no query has one
     truth : None if nothing is known
     """
@@ -55,6 +56,7 @@ class Located:
     place_routes: Integers
     half_sequence: int = 0
     threshold: float | None = None
+    angles_deg: Reals | None = None
     query_positions: Reals | None = None
     truth: Truth | None = None
 
@@ -118,6 +120,8 @@ class Located:
                 "is_kept": int(kept[k]),
                 **{axis: float(place[k, n]) for n, axis in enumerate("xyz")},
             }
+            if self.angles_deg is not None:
+                row |= dict(zip(ANGLE_COLUMNS, self.angles_deg[k].tolist(), strict=True))
             if truth is not None:
                 row |= {
                     "true_reference": _whole(truth.reference[k]),

@@ -12,7 +12,7 @@ h2 { margin-bottom: .6rem; }
 .tiles li { border: 1px solid #dcdcdc; border-radius: 6px; padding: .6rem .8rem; }
 .tiles strong { display: block; font-size: 1.5rem; line-height: 1.25; font-weight: 600; font-variant-numeric: tabular-nums; }
 .tiles span { font-size: .85rem; color: #4a4a4a; }
-.pairs { display: grid; grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); gap: 1rem; }
+.pairs { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 17rem), 1fr)); gap: 1rem; }
 .pair { margin: 0; border: 1px solid #dcdcdc; border-radius: 6px; padding: .6rem; }
 .pair img { width: 100%; height: auto; margin-bottom: .3rem; border-radius: 3px; }
 .pair img.small { image-rendering: pixelated; }
@@ -20,7 +20,9 @@ h2 { margin-bottom: .6rem; }
 .pair strong { display: block; }
 .right { color: #00694d; }
 .wrong { color: #a33c00; }
-.numbers th { width: 55%; }
+.numbers { max-width: 60rem; }
+.numbers th:first-child { width: 30%; }
+.numbers th:nth-child(2) { width: 16%; }
 @media (prefers-color-scheme: dark) {
   body { background: #15171a; color: #e4e4e4; }
   a { color: #8cc8f0; }

@@ -16,6 +16,7 @@ import numpy as np
 from insectnav.checks import InputError, quoted
 from insectnav.experiments.figures import save_figure
 from insectnav.experiments.place_maps import figures
+from insectnav.experiments.place_maps.compare import differences
 from insectnav.experiments.place_maps.locate import LocateParams, Search
 from insectnav.experiments.place_maps.located import Located, numbers, write_rows
 from insectnav.experiments.place_maps.page import PlacePage, Plot, lead_sentence, render_page
@@ -29,7 +30,6 @@ from insectnav.experiments.results import (
     to_json,
     written_to,
 )
-from insectnav.matching.difference import difference_matrix
 from insectnav.matching.places import PlaceMap
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ def summary(search: Search, params: LocateParams, place_map: PlaceMap) -> dict[s
             "metric": about.metric,
             "camera": about.camera,
             **dict(about.settings),
-            **{name: value for name, value in vars(params.seqslam).items()},
+            **{name: value for name, value in vars(search.seqslam).items()},
             "search": params.search,
             "threshold": params.threshold,
             "taken": params.thinning.in_words,
@@ -244,9 +244,7 @@ def _drawn(search: Search, place_map: PlaceMap) -> list[tuple[str, Figure, str, 
     """Name, figure, heading and caption of all that can be drawn."""
     found, truth = search.found, search.found.truth
     places, queries = (figures.drawn_numbers(n) for n in (len(found.place_names), len(found.names)))
-    difference = difference_matrix(
-        np.asarray(place_map.descriptors[places]), search.features[queries], place_map.about.metric
-    )
+    difference = differences(place_map, places, search.features[queries], search.describe)
     kinds = "right ones green, wrong ones red crosses" if truth is not None else "blue"
     line = f"; the line is the truth: {truth.source}" if truth is not None else ""
     caption = (
@@ -313,7 +311,7 @@ def _in_words(values: Mapping[str, Any]) -> list[tuple[str, str, str]]:
 
 def _settings(search: Search, params: LocateParams, place_map: PlaceMap) -> list[tuple[str, str]]:
     """Everything that was set or assumed."""
-    found, seqslam = search.found, params.seqslam
+    found, seqslam = search.found, search.seqslam
     origin = place_map.about.origin_deg
     rows = [
         ("Map", f"{place_map.path}, {place_map.n_places} places on {int(found.place_routes.max()) + 1} routes"),

@@ -1,0 +1,170 @@
+"""Matches of queries with the places of a map: by the map's own search, after all turns, or after all rotations."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insectnav.angles import wrap
+from insectnav.checks import InputError
+from insectnav.experiments.place_maps.describe import COMPARED, ROTATED, TURNED, DescribeParams
+from insectnav.experiments.place_maps.view_cameras import grid, grid_resampler
+from insectnav.matching.compass import TurnMatrix, turn_matrix, turns_of_matches
+from insectnav.matching.difference import difference_matrix
+from insectnav.matching.place_pieces import join_pieces, map_pieces, search_piece
+from insectnav.matching.place_search import check_queries, matches_of_lines
+from insectnav.matching.places import MapAbout, PlaceMap
+from insectnav.matching.rotation import build_rotation_index
+from insectnav.matching.seqslam import Matches, SeqSlamParams
+
+Reals = NDArray[np.float64]
+Features = NDArray[np.float32]
+
+
+class Compared(NamedTuple):
+    """Matches, and how each query was turned against its match.
+
+    Parameters
+    ----------
+    matches : Matches
+    angles_deg : (query, 3) heading, pitch and roll of the query in the frame of its match [°], NaN where not known;
+        None where the descriptor says nothing of it
+    """
+
+    matches: Matches
+    angles_deg: Reals | None
+
+
+def compare(
+    place_map: PlaceMap,
+    features: Features,
+    describe: DescribeParams,
+    seqslam: SeqSlamParams,
+    search: str,
+    workers: int | None,
+) -> Compared:
+    """The place that each query matches best.
+
+    Parameters
+    ----------
+    place_map : PlaceMap
+    features : (query, feature) array, a row of NaN for a missing frame
+    describe : how they were described
+    seqslam : how sequences are searched
+    search : "auto", "exact" or "index", as of `PlaceMap.locate`
+    workers : threads
+
+    Raises
+    ------
+    InputError
+        If they were described otherwise than the map, or are fewer than a sequence.
+    """
+    about = place_map.about
+    own = MapAbout(
+        descriptor=describe.descriptor,
+        metric=describe.used_metric,
+        n_features=features.shape[1],
+        camera="" if describe.is_vectors else describe.camera.text,
+        settings=about.settings if describe.is_vectors else describe.settings(),
+    )
+    if describe.is_vectors or describe.descriptor not in COMPARED:
+        return Compared(place_map.locate(features, seqslam, about=own, search=search, workers=workers), None)
+    about.check_same(own, "the queries")
+    if search == "index":
+        raise InputError(f"--search index is given with {describe.descriptor}, expected exact or auto: all are compared")
+    if describe.descriptor == ROTATED:
+        return _rotated(place_map, features, describe)
+    return _turned(place_map, features, describe, seqslam, workers)
+
+
+def differences(
+    place_map: PlaceMap, places: NDArray[np.int64], features: Features, describe: DescribeParams
+) -> Reals:
+    """Difference of some places and some queries, (place, query), as they are compared; of rotations without any.
+
+    Parameters
+    ----------
+    place_map : PlaceMap
+    places : numbers of the places
+    features : (query, feature) array
+    describe : DescribeParams
+    """
+    known = np.asarray(place_map.descriptors[places])
+    if describe.descriptor == TURNED and not describe.is_vectors:
+        return _turn_matrix(known, features, describe, None).difference
+    return difference_matrix(known, features, place_map.about.metric)
+
+
+def _turn_matrix(known: Features, seen: Features, describe: DescribeParams, workers: int | None) -> TurnMatrix:
+    size = describe.view_size or (1, known.shape[1])
+    views = (vectors.reshape(-1, *size) for vectors in (known, seen))
+    return turn_matrix(*views, normalise=not describe.is_of_sky, workers=workers)
+
+
+def _turned(
+    place_map: PlaceMap, features: Features, describe: DescribeParams, seqslam: SeqSlamParams, workers: int | None
+) -> Compared:
+    """Matches of views after the best of all turns: of sequences, or the most alike of single views."""
+    check_queries(features, seqslam)
+    known, routes = np.asarray(place_map.descriptors), np.asarray(place_map.routes)
+    difference = _turn_matrix(known, features, describe, workers).difference
+    if seqslam.n_steps == 0:
+        matches = _nearest(difference, routes, seqslam.unique_window // 2)
+    else:
+        rows = np.ascontiguousarray(difference.T)
+        is_seen = np.asarray(~np.isnan(rows).all(axis=1))
+        pieces = map_pieces(routes, seqslam)
+        found = [search_piece(piece, rows[:, piece.low : piece.high], seqslam) for piece in pieces]
+        matches = matches_of_lines(join_pieces(found, seqslam), is_seen, seqslam.bound, seqslam)
+    size = describe.view_size or (1, known.shape[1])
+    compass = turns_of_matches(
+        known.reshape(-1, *size), features.reshape(-1, *size), matches.reference, normalise=not describe.is_of_sky
+    )
+    angles = np.full((len(features), 3), np.nan)
+    angles[:, 0] = np.rad2deg(wrap(-compass.turn))  # the heading is that of the match less the turn
+    return Compared(matches, angles)
+
+
+def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> Matches:
+    """The most alike place of each single view; its score is its difference over the least of other places."""
+    n_places, n_queries = difference.shape
+    reference, score = np.full(n_queries, -1), np.full(n_queries, np.nan)
+    number = np.arange(n_places)
+    for query in range(n_queries):
+        column = np.where(np.isnan(difference[:, query]), np.inf, difference[:, query])
+        best = int(column.argmin())
+        if not np.isfinite(column[best]):
+            continue
+        is_other = (np.abs(number - best) > half_window) | (routes != routes[best])
+        second = float(column[is_other].min(initial=np.inf))
+        reference[query] = best
+        score[query] = column[best] / second if second > 0.0 else 1.0
+    return Matches(reference, score, np.full(n_queries, np.nan))
+
+
+def _rotated(place_map: PlaceMap, features: Features, describe: DescribeParams) -> Compared:
+    """The place that each query fits best after any rotation, over what both saw."""
+    known = np.asarray(place_map.descriptors)
+    seen = grid_resampler(describe.camera, describe.view_size or (0, 0)).seen
+    usable = np.flatnonzero(_has_sky_and_ground(known, seen))
+    if not usable.size:
+        raise InputError("no place of the map has sky and ground, expected some: missing frames, or a covered lens?")
+    index = build_rotation_index(np.clip(known[usable], 0.0, 1.0), seen, grid())
+    n_queries = len(features)
+    matches = Matches(np.full(n_queries, -1), np.full(n_queries, np.nan), np.full(n_queries, np.nan))
+    angles = np.full((n_queries, 3), np.nan)
+    queries = np.flatnonzero(_has_sky_and_ground(features, seen))
+    if queries.size:
+        found = index.match(np.clip(features[queries], 0.0, 1.0), seen)
+        matches.reference[queries] = usable[found.reference]
+        matches.score[queries] = np.where(np.isnan(found.ratio), 0.0, found.ratio)
+        angles[queries] = np.rad2deg(np.stack([found.heading, found.pitch, found.roll], axis=-1))
+    return Compared(matches, angles)
+
+
+def _has_sky_and_ground(views: Features, seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which views (view, direction) are there and have more than one value where they were seen."""
+    values = views[:, seen]
+    return np.asarray(np.isfinite(values).all(axis=1) & (np.ptp(values, axis=1) > 1e-3))
