@@ -55,9 +55,9 @@ class PlaceArrays:
         """Type of the descriptors, as NumPy calls it."""
         return "bool" if self.is_bits else str(self.stored.dtype.name)
 
-    def descriptors(self, first: int = 0, last: int | None = None) -> NDArray[Any]:
-        """Descriptors of the places from first up to last, (place, feature)."""
-        piece = self.stored[first:last]
+    def descriptors(self, which: slice | Integers = slice(None)) -> NDArray[Any]:
+        """Descriptors of some of the places, (place, feature)."""
+        piece = self.stored[which]
         if not self.is_bits:
             return piece
         return np.unpackbits(piece, axis=1, count=self.n_features).view(bool)

@@ -6,9 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.lanes.compiled import kernel
-from insectnav.matching.sequence_kernel import TILE, best_speed, score_starts
+from insectnav.matching.sequence_kernel import TILE, best_speed, enhance_row, score_starts
 
 Array = NDArray[Any]
+
+
+@kernel
+def enhance_piece(difference: Array, half: int, least_contrast: float, low: int, out: Array) -> None:
+    """Fill contrasts of the places from column ``low`` on, (query, place); the others are there for their windows."""
+    n_places = difference.shape[1]
+    row, mean, squares = np.empty(n_places), np.empty(n_places), np.empty(n_places)
+    for q in range(len(difference)):
+        enhance_row(difference[q], half, least_contrast, mean, squares, row)
+        out[q, :] = row[low : low + out.shape[1]]
 
 
 @kernel

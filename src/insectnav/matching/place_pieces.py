@@ -34,6 +34,7 @@ class PieceLines(NamedTuple):
     sums: Reals  # (sequence, 4), as of `place_kernel.search_piece`
     left: Reals  # (sequence, window) sums of the first starts
     right: Reals  # (sequence, window) sums of the last starts
+    least: float  # contrast of its places, if the baseline is that observed
 
 
 class Lines(NamedTuple):
@@ -43,6 +44,7 @@ class Lines(NamedTuple):
     speed: Integers
     lowest: Reals  # sum of contrasts along it
     second: Reals  # least sum outside its window
+    least: float  # contrast of all places, if the baseline is that observed
 
 
 def map_pieces(routes: Integers, params: SeqSlamParams, size: int = STARTS_PER_PIECE) -> list[Piece]:
@@ -70,38 +72,32 @@ def map_pieces(routes: Integers, params: SeqSlamParams, size: int = STARTS_PER_P
     ]
 
 
-def search_piece(piece: Piece, difference: Reals, params: SeqSlamParams) -> PieceLines:
-    """The best lines within a piece.
+def piece_contrast(piece: Piece, difference: Reals, params: SeqSlamParams) -> Reals:
+    """Contrasts (query, place) of a piece from its first start to its end, of the differences of all it needs."""
+    from insectnav.matching.place_kernel import enhance_piece
+
+    out = np.empty((len(difference), piece.end - piece.first))
+    enhance_piece(difference, params.contrast_window // 2, params.flat, piece.first - piece.low, out)
+    return out
+
+
+def search_piece(piece: Piece, contrast: Reals, params: SeqSlamParams) -> PieceLines:
+    """The best lines within a piece, and what others must know of it.
 
     Parameters
     ----------
     piece : Piece
-    difference : (query, place) array, of the places that the piece needs
+    contrast : (query, place) array of `piece_contrast`
     params : SeqSlamParams
     """
-    from insectnav.matching.sequence_kernel import enhance_rows
-
-    contrast, is_seen = np.empty(difference.shape), np.empty(len(difference), bool)
-    enhance_rows(difference, params.contrast_window // 2, params.flat, contrast, is_seen)
-    return search_contrast(piece, contrast[:, piece.first - piece.low : piece.end - piece.low], params)
-
-
-def search_contrast(piece: Piece, contrast: Reals, params: SeqSlamParams) -> PieceLines:
-    """The best lines within a piece, from (query, place) contrasts of its first start up to its end."""
     from insectnav.matching import place_kernel
 
-    n_sequences, half = len(contrast) - params.n_steps, params.unique_window // 2
-    found = PieceLines(
-        piece=piece,
-        start=np.empty(n_sequences, np.int64),
-        speed=np.empty(n_sequences, np.int64),
-        sums=np.empty((n_sequences, 4)),
-        left=np.empty((n_sequences, half)),
-        right=np.empty((n_sequences, half)),
-    )
-    n_starts = piece.last - piece.first
-    place_kernel.search_piece(np.ascontiguousarray(contrast), params.offsets, n_starts, half, *found[1:])
-    return found._replace(start=found.start + piece.first)
+    n_sequences, half, n_starts = len(contrast) - params.n_steps, params.unique_window // 2, piece.last - piece.first
+    start, speed = np.empty(n_sequences, np.int64), np.empty(n_sequences, np.int64)
+    sums, left, right = np.empty((n_sequences, 4)), np.empty((n_sequences, half)), np.empty((n_sequences, half))
+    place_kernel.search_piece(contrast, params.offsets, n_starts, half, start, speed, sums, left, right)
+    least = float(contrast[:, :n_starts].min()) if params.baseline == "observed" else np.inf
+    return PieceLines(piece, start + piece.first, speed, sums, left, right, least)
 
 
 def join_pieces(found: Sequence[PieceLines], params: SeqSlamParams) -> Lines:
@@ -118,7 +114,14 @@ def join_pieces(found: Sequence[PieceLines], params: SeqSlamParams) -> Lines:
     greatest = np.max([lines.sums[:, 3] for lines in found], axis=0)
     is_line = greatest > lowest[winner, each]
     speed = np.stack([lines.speed for lines in found])[winner, each]
-    return Lines(np.where(is_line, start, -1), speed, lowest[winner, each], second)
+    least = min(lines.least for lines in found)
+    return Lines(np.where(is_line, start, -1), speed, lowest[winner, each], second, least)
+
+
+def joined_blocks(blocks: Sequence[Lines]) -> Lines:
+    """Lines of all sequences from those of one block of them after the other."""
+    arrays = [np.concatenate(parts) for parts in list(zip(*blocks, strict=True))[:-1]]
+    return Lines(*arrays, min(lines.least for lines in blocks))
 
 
 def _outside(lines: PieceLines, start: Integers, route: Integers, half: int) -> Reals:

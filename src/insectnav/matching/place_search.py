@@ -1,43 +1,113 @@
 """Where on a map each query was taken, by comparing with all of its places, a piece of the map at a time."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError
-from insectnav.matching.difference import prepare_references
+from insectnav.matching.blocks import run_blocks
+from insectnav.matching.difference import Common, References, checked_vectors, common_of, prepare_references
 from insectnav.matching.place_arrays import PlaceArrays
-from insectnav.matching.place_pieces import Lines, join_pieces, map_pieces, search_piece
+from insectnav.matching.place_pieces import (
+    Lines,
+    Piece,
+    PieceLines,
+    join_pieces,
+    joined_blocks,
+    map_pieces,
+    piece_contrast,
+    search_piece,
+)
 from insectnav.matching.seqslam import Matches, SeqSlamParams, matches_from_lines
 
 Reals = NDArray[np.floating[Any]]
-QUERIES_PER_BLOCK = 256
+SEQUENCES_PER_BLOCK = 256
+TASKS_AT_ONCE = 64  # blocks of queries × pieces of the map whose lines are kept until they are joined
 
 
-def exact_matches(
-    places: PlaceArrays, metric: str, queries: NDArray[Any], params: SeqSlamParams, workers: int | None
-) -> Matches:
-    """Matches of queries with a line in the map, as `insectnav.matching.seqslam` gives them on a single route."""
-    references = prepare_references(places.descriptors(), metric)
-    pieces = map_pieces(places.routes, params)
-    rows = np.ascontiguousarray(references.differences(queries, workers=workers).T)
-    is_seen = np.asarray(~np.isnan(rows).all(axis=1))
-    lines = join_pieces([search_piece(piece, rows[:, piece.low : piece.high], params) for piece in pieces], params)
-    return matches_of_lines(lines, is_seen, params.bound, params)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Landscape:
+    """Places and what all of them together decide: what a comparison with some of them needs.
+
+    Parameters
+    ----------
+    places : PlaceArrays
+    metric : one of `insectnav.matching.METRICS`
+    common : Common
+    """
+
+    places: PlaceArrays
+    metric: str
+    common: Common
+
+    def references(self, places: slice | NDArray[np.int64]) -> References:
+        """Some of the places, ready to be compared."""
+        return prepare_references(self.places.descriptors(places), self.metric, common=self.common)
 
 
-def matches_of_lines(lines: Lines, is_seen: NDArray[np.bool_], baseline: float, params: SeqSlamParams) -> Matches:
+def landscape_of(places: PlaceArrays, metric: str) -> Landscape:
+    """Places with what all of them together decide."""
+    vectors = places.stored
+    is_missing = np.isnan(vectors[:, 0]) if vectors.dtype.kind == "f" else np.zeros(len(vectors), bool)
+    return Landscape(places=places, metric=metric, common=common_of(vectors, is_missing, metric))
+
+
+def exact_matches(landscape: Landscape, queries: NDArray[Any], params: SeqSlamParams, workers: int | None) -> Matches:
+    """Matches of queries with a line in the map, as `insectnav.matching.seqslam` gives them on a single route.
+
+    Notes
+    -----
+    Memory does not grow with map and queries but for what is returned.
+    """
+    pieces = map_pieces(landscape.places.routes, params)
+    n_sequences = len(queries) - params.n_steps
+    at_once = SEQUENCES_PER_BLOCK * max(1, TASKS_AT_ONCE // len(pieces))
+    blocks = []
+    for first in range(0, n_sequences, at_once):
+        part = queries[first : min(first + at_once, n_sequences) + params.n_steps]
+        blocks.append(join_pieces(lines_of_pieces(landscape, pieces, part, params, workers), params))
+    return matches_of_lines(joined_blocks(blocks), known_frames(landscape, queries), params)
+
+
+def lines_of_pieces(
+    landscape: Landscape, pieces: Sequence[Piece], queries: NDArray[Any], params: SeqSlamParams, workers: int | None
+) -> list[PieceLines]:
+    """What each of the pieces knows of the sequences of queries."""
+    n_sequences = len(queries) - params.n_steps
+    starts = range(0, n_sequences, SEQUENCES_PER_BLOCK)
+    found: list[PieceLines] = [None] * (len(pieces) * len(starts))  # type: ignore[list-item]
+
+    def run(task: int, _: int) -> None:
+        piece, first = pieces[task // len(starts)], starts[task % len(starts)]
+        part = queries[first : min(first + SEQUENCES_PER_BLOCK, n_sequences) + params.n_steps]
+        references = landscape.references(slice(piece.low, piece.high))
+        rows = np.ascontiguousarray(references.differences(part, workers=1).T)
+        found[task] = search_piece(piece, piece_contrast(piece, rows, params), params)
+
+    run_blocks(run, len(found), 1, workers)
+    return [_one_after_the_other(found[k : k + len(starts)]) for k in range(0, len(found), len(starts))]
+
+
+def _one_after_the_other(blocks: Sequence[PieceLines]) -> PieceLines:
+    """What one piece knows of all sequences, from blocks of them."""
+    arrays = [np.concatenate(parts) for parts in list(zip(*blocks, strict=True))[1:-1]]
+    return PieceLines(blocks[0].piece, *arrays, min(lines.least for lines in blocks))
+
+
+def matches_of_lines(lines: Lines, is_seen: NDArray[np.bool_], params: SeqSlamParams) -> Matches:
     """Matches of all queries from the lines of their sequences.
 
     Parameters
     ----------
     lines : Lines
-    is_seen : (query,) which have a descriptor
-    baseline : contrast at which a score is 0
+    is_seen : (query,) which could be compared
     params : SeqSlamParams
     """
     n = params.n_steps + 1
+    baseline = lines.least if params.baseline == "observed" else params.bound
     n_seen = np.convolve(is_seen, np.ones(n, np.int64), "valid")
     second = lines.second - n * baseline
     is_match = (2 * n_seen >= n) & (lines.start >= 0) & (second > 0.0) & (second < np.inf)
@@ -47,10 +117,31 @@ def matches_of_lines(lines: Lines, is_seen: NDArray[np.bool_], baseline: float, 
     return matches_from_lines(found, params, len(is_seen))
 
 
-def check_queries(queries: NDArray[Any], params: SeqSlamParams) -> None:
-    """Refuse fewer queries than a sequence is long."""
+def known_frames(landscape: Landscape, queries: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which queries could be compared with any place."""
+    stored = landscape.places.stored
+    is_any_known = stored.dtype.kind != "f" or not np.isnan(stored[:, 0]).all()
+    return ~checked_vectors("queries", queries)[1] & is_any_known
+
+
+def checked_queries(landscape: Landscape, descriptors: ArrayLike, params: SeqSlamParams) -> NDArray[Any]:
+    """Queries as an array (query, feature).
+
+    Raises
+    ------
+    InputError
+        If they are not of the kind of the places, or fewer than a sequence is long.
+    """
+    queries, places = np.asarray(descriptors), landscape.places
+    checked_vectors("queries", queries)
+    if queries.shape[1] != places.n_features:
+        raise InputError(
+            f"queries have {queries.shape[1]} features, expected {places.n_features} as the places: "
+            "the same descriptor?"
+        )
     if len(queries) < params.n_steps + 1:
         raise InputError(
             f"there are {len(queries)} queries, expected at least {params.n_steps + 1} for sequences of "
             f"{params.sequence_length} steps: fewer frames than a sequence?"
         )
+    return queries

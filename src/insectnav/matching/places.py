@@ -15,7 +15,7 @@ from insectnav.checks import InputError, check_choice
 from insectnav.matching.place_about import MapAbout
 from insectnav.matching.place_arrays import PlaceArrays, joined, new_places, no_places, read_places
 from insectnav.matching.place_record import MapRecord, read_record, write_record
-from insectnav.matching.place_search import check_queries, exact_matches
+from insectnav.matching.place_search import Landscape, checked_queries, exact_matches, landscape_of
 from insectnav.matching.place_segments import SEGMENTS, Segments, add_segment, read_segments
 from insectnav.matching.place_store import only_writer, remove_partial, shown, whole_folder, write_arrays, written
 from insectnav.matching.seqslam import Matches, SeqSlamParams
@@ -38,6 +38,7 @@ class PlaceMap:
         self.path = path
         self._segments: Segments = {}
         self._whole: PlaceArrays | None = None
+        self._compared: Landscape | None = None
         self._read()
 
     def __repr__(self) -> str:
@@ -88,7 +89,7 @@ class PlaceMap:
     def _read(self) -> None:
         self._record = read_record(self.path)
         self.about, frozen = self._record.about, self._record.places
-        self._whole = None
+        self._whole, self._compared = None, None
         if frozen is None:
             self._segments = read_segments(self.path, self.about, self._segments)
         else:
@@ -171,7 +172,7 @@ class PlaceMap:
                 raise InputError(f"the map {shown(self.path)} is frozen, expected one that can be added to")
             last = next(reversed(self._segments.values()), None)
             self._segments = add_segment(self.path, self.about, self._segments, _following(places, last, new_route))
-            self._whole = None
+            self._whole, self._compared = None, None
 
     def freeze(self) -> None:
         """Put all places side by side for good; nothing can be added afterwards.
@@ -230,11 +231,18 @@ class PlaceMap:
         params = params or SeqSlamParams()
         if about is not None:
             self.about.check_same(about, "the queries")
-        queries = np.asarray(descriptors)
-        check_queries(queries, params)
+        landscape = self._landscape()
+        queries = checked_queries(landscape, descriptors, params)
         if search == "index" or cluster is not None:
             raise NotImplementedError
-        return exact_matches(self.places, self.about.metric, queries, params, workers)
+        return exact_matches(landscape, queries, params, workers)
+
+    def _landscape(self) -> Landscape:
+        if self._compared is None:
+            if not self.n_places:
+                raise InputError(f"the map {shown(self.path)} is empty, expected one with places to compare with")
+            self._compared = landscape_of(self.places, self.about.metric)
+        return self._compared
 
 
 def merge_maps(folder: str | os.PathLike[str], maps: Sequence[PlaceMap]) -> PlaceMap:

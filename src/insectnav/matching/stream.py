@@ -70,7 +70,7 @@ def begin_stream(references: ArrayLike, metric: str = "cosine", params: SeqSlamP
             f"baseline is {params.baseline!r}, expected 'bound': a stream knows its least contrast at its end alone"
         )
     prepared, n = prepare_references(references, metric), params.n_steps + 1
-    n_references = len(prepared.vectors)
+    n_references = len(prepared.is_missing)
     if n_references < n:
         raise InputError(
             f"there are {n_references} references, expected at least {n} for sequences of {params.sequence_length} "
@@ -134,7 +134,7 @@ def locate_next(stream: Stream, descriptor: ArrayLike | None, time: float | None
 def _column(references: References, descriptor: ArrayLike | None) -> Reals:
     """Differences of one frame from all references, (1, reference); NaN if it is missing."""
     if descriptor is None:
-        return np.full((1, len(references.vectors)), np.nan, np.float32)
+        return np.full((1, len(references.is_missing)), np.nan, np.float32)
     vector = np.asarray(descriptor)
     if vector.ndim != 1:
         raise InputError(f"descriptor has shape {vector.shape}, expected (feature,): one frame at a time")
