@@ -43,7 +43,7 @@ def refuse_compression(path: Path, name: str) -> None:
         key, _, value = line.strip().partition(":")
         if key.strip("\"' ") == "compression_mode" and value.strip("\"' ").lower() not in ("", "none"):
             raise InputError(
-                f"{name} is compressed by {value.strip().lower()}, expected one that is not: convert it by ros2 bag convert"
+                f"{name} is compressed by {value.strip().lower()}, expected a bag that is not: ros2 bag convert does it"
             )
 
 

@@ -16,6 +16,7 @@ from insectnav.datasets.track_table import read_bytes
 SEMI_MAJOR_AXIS = 6_378_137.0  # [m] WGS84, NIMA TR8350.2 (2000), table 3.1
 FLATTENING = 1 / 298.257223563  # WGS84, the same table
 ECCENTRICITY_SQUARED = FLATTENING * (2 - FLATTENING)
+MAX_BYTES = 512 * 2**20  # of a file
 SNIFFED = 65_536  # bytes, of which some sentence must be whole
 MAX_REACH = 1_000_000.0  # [m] from the origin; beyond, a fix is off or the plane is the wrong picture
 
@@ -35,12 +36,10 @@ def read_gps(path: str | PathLike[str], *, first_day: date | None = None) -> Gps
     """
     path = Path(path)
     try:
-        data = read_bytes(path, "a GPX file or a log of NMEA sentences", nmea_logs.MAX_BYTES)
+        data = read_bytes(path, "a GPX file or a log of NMEA sentences", MAX_BYTES)
         kind = gps_kind(data)
         if kind == "gpx":
-            if len(data) > gpx_files.MAX_BYTES:
-                raise InputError(f"the file is larger than {gpx_files.MAX_BYTES // 2**20} MB, expected a single track")
-            return gpx_files.parse_gpx(_text(data))
+            return gpx_files.parse_gpx(data)
         if kind == "nmea":
             # A damaged byte spoils its own sentence alone, whose checksum tells.
             return nmea_logs.parse_nmea(data.decode("ascii", "replace"), first_day)
@@ -52,16 +51,9 @@ def read_gps(path: str | PathLike[str], *, first_day: date | None = None) -> Gps
 def gps_kind(data: bytes) -> str | None:
     """What a file is by its first bytes: "gpx", "nmea" or None."""
     start = data[:SNIFFED].removeprefix(b"\xef\xbb\xbf").lstrip()
-    if start.startswith(b"<") or start.startswith((b"\xff\xfe", b"\xfe\xff")):
+    if start.startswith((b"<", b"\xff\xfe<", b"\xfe\xff\0<")):  # the last two in UTF-16
         return "gpx"
     return "nmea" if nmea_logs.SENTENCE.search(start) else None
-
-
-def _text(data: bytes) -> str:
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError("not text in UTF-8, expected GPX: saved in another encoding, or compressed?") from None
 
 
 def local_plane(
@@ -89,9 +81,9 @@ def local_plane(
     Azimuthal equidistant: distance and bearing from the origin are those on the ellipsoid. The direction and the chord
     to a place are found in the plane that touches the ellipsoid at the origin, and the chord is bent to an arc of the
     radius that the ellipsoid has in this direction (Euler's formula). Against geodesics a place is so off by less than
-    1 mm within 30 km, 2 cm at 100 km and 40 cm at 300 km. Between two places at a distance d from the origin, lengths
-    across are too long by d²/6R²: 4 parts in 10 million at 10 km, 4 in 100 000 at 100 km. Lengths are those on the
-    ellipsoid; at a height h they are h/R longer, 16 cm in a kilometre at 1000 m.
+    1 mm within 30 km, 2 cm at 100 km, 40 cm at 300 km and 14 m at 1000 km. Between two places at a distance d from the
+    origin, lengths across are too long by d²/6R²: 4 parts in 10 million at 10 km, 4 in 100 000 at 100 km. Lengths are
+    those on the ellipsoid; at a height h they are h/R longer, 16 cm in a kilometre at 1000 m.
     """
     latitude, longitude = as_numbers("latitude", latitude_deg), as_numbers("longitude", longitude_deg)
     check_shape("latitude", latitude, ("n",))

@@ -1,100 +1,131 @@
-"""Tracks of a GPX file, after a look at it that the parser of XML does not take."""
+"""Tracks of a GPX file, read as a stream: no tree is built that a file could make deep or large."""
 
-import re
-from collections.abc import Iterator
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from typing import Any
-from xml.etree.ElementTree import ParseError
+from xml.parsers import expat
 
 import numpy as np
 
-from insectnav.checks import InputError
+from insectnav.checks import InputError, quoted
 from insectnav.datasets.gps_track import MAX_FIXES, GpsTrack
 
-MAX_BYTES = 128 * 2**20  # about a million fixes
-MAX_TAGS = 8_000_000  # of elements, opened and closed; each takes some 100 bytes of memory
 MAX_DEPTH = 50  # of elements in one another; GPX needs six
-_DECLARATION = re.compile(r"<!\s*(?:DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)", re.IGNORECASE)
-_TAG = re.compile(r"<(/?)[A-Za-z_][^<>]*?(/?)>")
+MAX_LETTERS = 100  # of a height or a time
+POINT = ["gpx", "trk", "trkseg", "trkpt"]  # where a point of a track is
 
 
-def parse_gpx(text: str) -> GpsTrack:
-    """All tracks of a GPX file in order of their times; each segment of each track is one of the result.
+def parse_gpx(data: bytes) -> GpsTrack:
+    """All tracks of a GPX file (1.0 or 1.1) in order of their times; each segment of each track is one of the result.
 
     Parameters
     ----------
-    text : XML; times without a zone are taken as UTC
+    data : XML; times without a zone are taken as UTC, in which GPX has them
 
     Raises
     ------
     InputError
-        If it is no GPX, declares entities, is nested too deeply, or holds no track.
+        If it is no GPX, declares a document type (and so perhaps entities), is nested too deeply, or holds no track.
     """
-    _check_harmless(text)
-    segments = [segment for segment in _segments(text) if segment]
-    if not segments:
-        raise InputError("no track with points, expected one at least: waypoints or a planned route alone?")
-    if sum(map(len, segments)) > MAX_FIXES:
-        raise InputError(f"more than {MAX_FIXES} points, expected a single recording")
-    pieces = [_numbers(segment) for segment in segments]
-    with_times = [piece for piece in pieces if np.isfinite(piece[:, 0]).any()]
-    if len(with_times) == len(pieces):  # programs write the tracks of a day in any order
+    reader = _Reader()
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.buffer_text = True
+    parser.StartElementHandler = reader.start
+    parser.EndElementHandler = reader.end
+    parser.CharacterDataHandler = reader.text
+    parser.StartDoctypeDeclHandler = reader.refuse_document_type
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        raise InputError(f"no sound XML ({error}), expected GPX: truncated, or another kind of file?") from None
+    return _track(reader)
+
+
+@dataclass
+class _Reader:
+    """What has been read of a stream of elements."""
+
+    path: list[str] = field(default_factory=list)
+    segments: list[list[tuple[float, float, float, float]]] = field(default_factory=list)
+    others: set[str] = field(default_factory=set)
+    has_zone: bool = True
+    n_points: int = 0
+    _place: tuple[float, float] = (0.0, 0.0)
+    _height: float = float("nan")
+    _time: float = float("nan")
+    _text: str = ""
+
+    def start(self, name: str, attributes: dict[str, str]) -> None:
+        self.path.append(name.rpartition(" ")[2])  # without namespace
+        if len(self.path) > MAX_DEPTH:
+            raise InputError(f"elements are more than {MAX_DEPTH} deep in one another, expected GPX")
+        if self.path[0] != "gpx":
+            raise InputError(f"the file is {quoted(self.path[0])} in XML, expected gpx: export the track as GPX")
+        self._text = ""
+        if self.path == POINT[:3]:
+            self.segments.append([])
+        elif self.path == POINT:
+            self._place = _number(attributes, "lat"), _number(attributes, "lon")
+            self._height = self._time = float("nan")
+            self.n_points += 1
+            if self.n_points > MAX_FIXES:
+                raise InputError(f"more than {MAX_FIXES} points, expected a single recording")
+        elif len(self.path) == 2:
+            self.others.add(self.path[1])
+
+    def text(self, letters: str) -> None:
+        if len(self._text) < MAX_LETTERS:
+            self._text += letters
+
+    def end(self, name: str) -> None:
+        if self.path[:-1] == POINT and self.path[-1] == "ele":
+            self._height = _number({"ele": self._text}, "ele")
+        elif self.path[:-1] == POINT and self.path[-1] == "time":
+            self._time = self._seconds()
+        elif self.path == POINT:
+            self.segments[-1].append((self._time, *self._place, self._height))
+        self.path.pop()
+
+    def refuse_document_type(self, *declaration: object) -> None:
+        name = quoted(declaration[0])
+        raise InputError(f"the file declares a document type ({name}), expected none: GPX has no use for it")
+
+    def _seconds(self) -> float:
+        """Seconds since 1970-01-01 UTC."""
+        if not self._text.strip():
+            return float("nan")
+        try:
+            moment = datetime.fromisoformat(self._text.strip())
+            self.has_zone &= moment.tzinfo is not None
+            return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+        except (ValueError, OverflowError):
+            raise InputError(f"{quoted(self._text)} is no time, expected one like 2014-05-06T12:30:15Z") from None
+
+
+def _number(attributes: dict[str, str], name: str) -> float:
+    text = attributes.get(name, "").strip()
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(f"a point has {name} {quoted(text)}, expected a number") from None
+    if not np.isfinite(value):
+        raise InputError(f"a point has {name} {quoted(text)}, expected a finite number")
+    return value
+
+
+def _track(reader: _Reader) -> GpsTrack:
+    pieces = [np.array(segment) for segment in reader.segments if segment]
+    if not pieces:
+        found = ", ".join(sorted(reader.others)[:8]) or "nothing"
+        slip = ": a planned route or waypoints, not a recording?" if reader.others & {"rte", "wpt"} else ""
+        raise InputError(f"no track with points in the file, which holds {found}, expected trk{slip}")
+    if all(np.isfinite(piece[:, 0]).any() for piece in pieces):  # programs write the tracks of a day in any order
         pieces.sort(key=lambda piece: float(np.nanmin(piece[:, 0])))
-    values = np.concatenate(pieces)
-    has_zone = all(point.time is None or point.time.tzinfo is not None for segment in segments for point in segment)
+    time, latitude, longitude, height = np.concatenate(pieces).T
     return GpsTrack(
-        time=values[:, 0],
-        latitude_deg=values[:, 1],
-        longitude_deg=values[:, 2],
-        height=values[:, 3],
+        time=time,
+        latitude_deg=latitude,
+        longitude_deg=longitude,
+        height=height,
         segment=np.repeat(np.arange(len(pieces)), list(map(len, pieces))),
-        notes=() if has_zone else ("times without a zone are taken as UTC",),
+        notes=() if reader.has_zone else ("times without a zone are taken as UTC",),
     )
-
-
-def _check_harmless(text: str) -> None:
-    """Refuse what could make the parser slow or large: entities, deep nesting, very many elements."""
-    if found := _DECLARATION.search(text):
-        raise InputError(
-            f"the file declares {found[0].lstrip('<! ').upper()}, which GPX does not need and could do harm: delete it"
-        )
-    depth = 0
-    for number, tag in enumerate(_TAG.finditer(text)):
-        depth += -1 if tag[1] else 0 if tag[2] else 1
-        if depth > MAX_DEPTH or number > MAX_TAGS:
-            raise InputError(
-                f"more than {MAX_DEPTH} elements in one another or {MAX_TAGS} in all, expected a GPX track"
-            )
-
-
-def _segments(text: str) -> list[list[Any]]:
-    """Points of each segment as gpxpy has them."""
-    import gpxpy
-
-    try:
-        file = gpxpy.parse(text)
-        return [segment.points for track in file.tracks for segment in track.segments]
-    except (gpxpy.gpx.GPXException, ParseError, ValueError, TypeError, KeyError, OverflowError) as error:
-        why = str(error).splitlines()[0][:120] if str(error) else type(error).__name__
-        raise InputError(f"no sound GPX ({why}), expected XML of tracks: another kind of file, or truncated?") from None
-
-
-def _numbers(points: list[Any]) -> Any:
-    rows: Iterator[tuple[float, ...]] = (
-        (_seconds(point.time), point.latitude, point.longitude, np.nan if point.elevation is None else point.elevation)
-        for point in points
-    )
-    try:
-        values = np.array(list(rows), float)
-    except (TypeError, ValueError):
-        raise InputError("a point has no latitude or longitude, expected both") from None
-    if not np.isfinite(values[:, 1:3]).all():
-        raise InputError("a latitude or longitude is no finite number, expected degrees")
-    return values
-
-
-def _seconds(moment: datetime | None) -> float:
-    """Seconds since 1970-01-01 UTC; a moment without zone counts as UTC."""
-    if moment is None:
-        return float("nan")
-    return (moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)).timestamp()

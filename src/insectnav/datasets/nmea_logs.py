@@ -14,7 +14,6 @@ from insectnav.angles import Floats
 from insectnav.checks import InputError
 from insectnav.datasets.gps_track import GpsTrack
 
-MAX_BYTES = 256 * 2**20
 MAX_SENTENCE = 120  # characters; the standard allows 82, some receivers more digits
 READ = ("RMC", "GGA", "ZDA")
 FIX_QUALITIES = (1, 2, 3, 4, 5)  # of GGA: measured; 6 is dead reckoning, 7 typed in, 8 simulated

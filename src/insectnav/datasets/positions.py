@@ -242,6 +242,8 @@ def _table_positions(path: Path, columns: Sequence[str] | None, origin_deg: tupl
     chosen = find_columns(table.header, COLUMNS)
     named = find_columns(table.header, {"name": NAMES})
     _check_columns(table.header, {*chosen, *named})
+    if "x" in chosen and "y" in chosen and chosen["x"][1] != chosen["y"][1]:
+        raise InputError("x and y differ in unit, expected the same unit")
     rows, values, texts = read_columns(table, [index for index, _ in chosen.values()], [i for i, _ in named.values()])
     given = {meaning: column * factor for (meaning, (_, factor)), column in zip(chosen.items(), values.T, strict=True)}
     time, frame = given.get("time"), given.get("frame")

@@ -98,7 +98,9 @@ def bag_positions(
         If it is no bag, the topic is not there or not alone, or it holds no position.
     """
     check_choice("clock", clock, CLOCKS)
-    times, places, n_without = [], [], 0
+    times: list[float] = []
+    places: list[tuple[float, float, float]] = []
+    n_without = 0
     is_global = False
     with _opened(Path(path)) as bag:
         for time, message, _ in bag.messages(topic, PLACES, "positions", clock):
@@ -114,15 +116,15 @@ def bag_positions(
     if not times:
         raise InputError(f"{quoted(path, 200)}: none of {n_without} messages holds a position, expected some")
     order = np.argsort(times, kind="stable")
-    time, place = np.array(times)[order], np.array(places)[order]
+    when, where = np.array(times)[order], np.array(places)[order]
     notes = [f"messages left out, no fix: {n_without}"] if n_without else []
     if not is_global:
-        return Positions(position=place, time=time, notes=tuple(notes))
-    height = place[:, 2] if np.isfinite(place[:, 2]).any() else None
+        return Positions(position=where, time=when, notes=tuple(notes))
+    height = where[:, 2] if np.isfinite(where[:, 2]).any() else None
     if height is not None:
         notes.append("heights are above the ellipsoid, which may be 100 m off the level of the sea")
-    position, origin = local_plane(place[:, 0], place[:, 1], height, origin_deg)
-    return Positions(position=position, time=time, origin_deg=origin, notes=tuple(notes))
+    position, origin = local_plane(where[:, 0], where[:, 1], height, origin_deg)
+    return Positions(position=position, time=when, origin_deg=origin, notes=tuple(notes))
 
 
 def _place(message: Any) -> tuple[float, float, float] | None:
@@ -192,7 +194,7 @@ class _Bag:
         known = store.generate_msgdef(kind)[1] if self._is_first else store.hash_rihs01(kind)
         if connection.digest and connection.digest != known:
             raise InputError(
-                f"{self._name} defines {kind} otherwise than ROS does, expected its standard definition: a changed or a "
+                f"{self._name} defines {kind} otherwise than ROS does, expected its standard definition: a changed or "
                 "very old message?"
             )
 
