@@ -78,9 +78,13 @@ def evaluate(**given: Any) -> None:
 
     gc.enable()
     first, frames, params = given["matches_or_map"], given["frames"] or [], locate_params(given)
+    if not Path(first).exists():
+        raise InputError(f"{quoted(first, 200)} does not exist, expected a table of matches or a map")
     if Path(first).is_dir():
         if not frames:
-            raise InputError(f"{quoted(first, 200)} is a map, expected frames after it, or a table of matches in its place")
+            raise InputError(
+                f"{quoted(first, 200)} is a map, expected frames after it, or a table of matches in its place"
+            )
         place_map = PlaceMap.open(first)
         result = evaluate_search(_searched(place_map, frames, params), params, place_map)
     else:

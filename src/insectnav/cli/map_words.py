@@ -56,7 +56,11 @@ def _facts(result: Mapping[str, Any]) -> list[str]:
         + (f"; {settings}" if settings else ""),
     ]
     if result["with_position"]:
-        length = "" if result["length_m"] is None else f", {result['length_m']:.0f} m in steps of {result['spacing_m']:.2g} m"
+        length = (
+            ""
+            if result["length_m"] is None
+            else f", {result['length_m']:.0f} m in steps of {result['spacing_m']:.2g} m"
+        )
         origin = ""
         if result["origin_deg"] is not None:
             origin = ", from latitude {:.5f}°, longitude {:.5f}°".format(*result["origin_deg"])
@@ -82,8 +86,8 @@ def _scores(numbers: Mapping[str, Any]) -> list[str]:
     if "error_median" in numbers:
         unit = numbers["unit"]
         lines.append(
-            f"off by {numbers['error_median']:.3g} {unit} in the median, {numbers['error_90_percent']:.3g} {unit} in nine of "
-            f"ten, {numbers['error_largest']:.3g} {unit} at most"
+            f"off by {numbers['error_median']:.3g} {unit} in the median, {numbers['error_90_percent']:.3g} {unit} in "
+            f"nine of ten, {numbers['error_largest']:.3g} {unit} at most"
         )
     return lines
 

@@ -1,4 +1,4 @@
-"""What pages of results are made of: text from anywhere made safe, tables that a phone can show, and what they may load."""
+"""What pages of results are made of: text from anywhere made safe, tables for a phone, and what they may load."""
 
 import html
 from collections.abc import Iterable, Sequence

@@ -8,7 +8,7 @@ import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -45,9 +45,9 @@ class BuildParams:
     workers : threads
     """
 
-    given: GivenOptions = GivenOptions()
-    thinning: Thinning = Thinning()
-    where: Whereabouts = Whereabouts()
+    given: GivenOptions = field(default_factory=GivenOptions)
+    thinning: Thinning = field(default_factory=Thinning)
+    where: Whereabouts = field(default_factory=Whereabouts)
     topic: str | None = None
     adds: bool = False
     freezes: bool = False
@@ -90,7 +90,11 @@ def build(
     origin = place_map.about.origin_deg if place_map else None
     source, origin, notes = placed(source, params.where, origin)
     left_out: list[str] = []
-    thinning = replace(params.thinning, step=(params.thinning.step or 1) // source.step) if source.step > 1 else params.thinning
+    thinning = (
+        replace(params.thinning, step=(params.thinning.step or 1) // source.step)
+        if source.step > 1
+        else params.thinning
+    )
     frames = thinned(source.frames, thinning, left_out)
     record = _record(places, params)
     n_before, n_done = _progress_before(path, place_map, record)
@@ -100,7 +104,9 @@ def build(
     run = _Run(path=path, params=params, describe=describe, origin_deg=origin, record=record, first=n_before)
     remarks = Remarks()
     try:
-        run.add_all(place_map, _told(described(frames, describe, params.pictures, params.workers), remarks), n_done, progress)
+        run.add_all(
+            place_map, _told(described(frames, describe, params.pictures, params.workers), remarks), n_done, progress
+        )
         if not n_done:
             remarks.check_any()
     except InputError:
@@ -165,12 +171,16 @@ class _Run:
     params: BuildParams
     describe: DescribeParams
     origin_deg: tuple[float, float] | None
-    record: Mapping[str, Any]
+    record: dict[str, Any]
     first: int  # place of the first frame of this route
     is_new: bool = False
 
     def add_all(
-        self, place_map: PlaceMap | None, frames: Iterator[Described], n_done: int, progress: Callable[[int], Any] | None
+        self,
+        place_map: PlaceMap | None,
+        frames: Iterator[Described],
+        n_done: int,
+        progress: Callable[[int], Any] | None,
     ) -> None:
         """Add all frames in batches; the map is made when the first frame has features."""
         batch: list[Described] = []
@@ -230,7 +240,9 @@ def _opened(path: Path, adds: bool) -> PlaceMap | None:
         return None
     if not adds:
         if (path / UNFINISHED).exists():
-            raise InputError(f"{quoted(path, 200)} is a map whose building was interrupted, expected --add to go on with it")
+            raise InputError(
+                f"{quoted(path, 200)} is a map whose building was interrupted, expected --add to go on with it"
+            )
         raise InputError(f"{quoted(path, 200)} exists, expected a new name, or --add to add another route to a map")
     return PlaceMap.open(path)
 
@@ -261,8 +273,9 @@ def _progress_before(path: Path, place_map: PlaceMap | None, record: Mapping[str
         raise InputError(f"{quoted(unfinished, 200)} is damaged, expected what an interrupted build left: remove it")
     if found != record:
         raise InputError(
-            f"an interrupted build of {quoted(path, 200)} took {', '.join(map(str, found.get('places', [])))[:200]} with "
-            f"other options, expected the same to go on with it: or remove {UNFINISHED} to leave that route as it is"
+            f"an interrupted build of {quoted(path, 200)} took {', '.join(map(str, found.get('places', [])))[:200]} "
+            f"with other options, expected the same to go on with it: or remove {UNFINISHED} to leave that route as "
+            "it is"
         )
     return first, place_map.n_places - first
 

@@ -57,7 +57,9 @@ def chosen_params(given: GivenOptions, about: MapAbout | None, is_vectors: bool)
     }
     for name, (wanted, there) in pairs.items():
         if wanted is not None and there not in (None, "") and wanted != there:
-            raise InputError(f"--{name} is {quoted(wanted)}, expected {quoted(there)} as the map was made with, or no --{name}")
+            raise InputError(
+                f"--{name} is {quoted(wanted)}, expected {quoted(there)} as the map was made with, or no --{name}"
+            )
     sky = about.settings.get("sky")
     if is_vectors:
         return DescribeParams(descriptor=about.descriptor, metric=about.metric, is_vectors=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,11 @@ from insectnav.experiments.place_maps.describe import COMPARED, ROTATED, TURNED,
 from insectnav.experiments.place_maps.view_cameras import grid, grid_resampler
 from insectnav.matching.compass import TurnMatrix, turn_matrix, turns_of_matches
 from insectnav.matching.difference import difference_matrix
-from insectnav.matching.place_pieces import join_pieces, map_pieces, search_piece
-from insectnav.matching.place_search import check_queries, matches_of_lines
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.rotation import build_rotation_index
-from insectnav.matching.seqslam import Matches, SeqSlamParams
+from insectnav.matching.seqslam import Matches, SeqSlamParams, seqslam
 
-Reals = NDArray[np.float64]
+Reals = NDArray[np.floating[Any]]
 Features = NDArray[np.float32]
 
 
@@ -41,7 +39,7 @@ def compare(
     place_map: PlaceMap,
     features: Features,
     describe: DescribeParams,
-    seqslam: SeqSlamParams,
+    params: SeqSlamParams,
     search: str,
     workers: int | None,
 ) -> Compared:
@@ -52,7 +50,7 @@ def compare(
     place_map : PlaceMap
     features : (query, feature) array, a row of NaN for a missing frame
     describe : how they were described
-    seqslam : how sequences are searched
+    params : how sequences are searched
     search : "auto", "exact" or "index", as of `PlaceMap.locate`
     workers : threads
 
@@ -70,18 +68,18 @@ def compare(
         settings=about.settings if describe.is_vectors else describe.settings(),
     )
     if describe.is_vectors or describe.descriptor not in COMPARED:
-        return Compared(place_map.locate(features, seqslam, about=own, search=search, workers=workers), None)
+        return Compared(place_map.locate(features, params, about=own, search=search, workers=workers), None)
     about.check_same(own, "the queries")
     if search == "index":
-        raise InputError(f"--search index is given with {describe.descriptor}, expected exact or auto: all are compared")
+        raise InputError(
+            f"--search index is given with {describe.descriptor}, expected exact or auto: all are compared"
+        )
     if describe.descriptor == ROTATED:
         return _rotated(place_map, features, describe)
-    return _turned(place_map, features, describe, seqslam, workers)
+    return _turned(place_map, features, describe, params, workers)
 
 
-def differences(
-    place_map: PlaceMap, places: NDArray[np.int64], features: Features, describe: DescribeParams
-) -> Reals:
+def differences(place_map: PlaceMap, places: NDArray[np.int64], features: Features, describe: DescribeParams) -> Reals:
     """Difference of some places and some queries, (place, query), as they are compared; of rotations without any.
 
     Parameters
@@ -104,20 +102,15 @@ def _turn_matrix(known: Features, seen: Features, describe: DescribeParams, work
 
 
 def _turned(
-    place_map: PlaceMap, features: Features, describe: DescribeParams, seqslam: SeqSlamParams, workers: int | None
+    place_map: PlaceMap, features: Features, describe: DescribeParams, params: SeqSlamParams, workers: int | None
 ) -> Compared:
     """Matches of views after the best of all turns: of sequences, or the most alike of single views."""
-    check_queries(features, seqslam)
     known, routes = np.asarray(place_map.descriptors), np.asarray(place_map.routes)
     difference = _turn_matrix(known, features, describe, workers).difference
-    if seqslam.n_steps == 0:
-        matches = _nearest(difference, routes, seqslam.unique_window // 2)
+    if params.n_steps == 0:
+        matches = _nearest(difference, routes, params.unique_window // 2)
     else:
-        rows = np.ascontiguousarray(difference.T)
-        is_seen = np.asarray(~np.isnan(rows).all(axis=1))
-        pieces = map_pieces(routes, seqslam)
-        found = [search_piece(piece, rows[:, piece.low : piece.high], seqslam) for piece in pieces]
-        matches = matches_of_lines(join_pieces(found, seqslam), is_seen, seqslam.bound, seqslam)
+        matches = _sequences(difference, routes, params, workers)
     size = describe.view_size or (1, known.shape[1])
     compass = turns_of_matches(
         known.reshape(-1, *size), features.reshape(-1, *size), matches.reference, normalise=not describe.is_of_sky
@@ -125,6 +118,18 @@ def _turned(
     angles = np.full((len(features), 3), np.nan)
     angles[:, 0] = np.rad2deg(wrap(-compass.turn))  # the heading is that of the match less the turn
     return Compared(matches, angles)
+
+
+def _sequences(difference: Reals, routes: NDArray[np.int64], params: SeqSlamParams, workers: int | None) -> Matches:
+    """Matches of sequences, with missing places between routes, so many that no line leads from one into the next."""
+    gap = int(params.offsets[:, -1].max()) + params.contrast_window + params.unique_window
+    ends = np.flatnonzero(np.diff(routes)) + 1
+    apart = np.insert(difference, np.repeat(ends, gap), np.nan, axis=0)
+    place = np.insert(np.arange(len(routes)), np.repeat(ends, gap), -1)
+    found = seqslam(apart, params, workers=workers)
+    reference = np.where(found.reference >= 0, place[found.reference], -1)
+    is_there = reference >= 0  # what lies between routes is no place
+    return Matches(reference, *(np.where(is_there, values, np.nan) for values in (found.score, found.speed)))
 
 
 def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> Matches:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_choice, quoted
 from insectnav.experiments.place_maps.view_cameras import (
+    AHEAD,
     GRID_DEG,
     GRID_ELEVATION_DEG,
     ViewCamera,
@@ -26,7 +27,7 @@ Features = NDArray[np.float32]
 
 TURNED, ROTATED = "turned-views", "rotations"  # views that are compared after all turns, and after all rotations
 COMPARED = {  # what stands for their source
-    TURNED: "all turns on the spot: Zeil et al. 2003, doi 10.1364/JOSAA.20.000450; Labrosse 2006, doi 10.1002/rob.20159",
+    TURNED: "all turns on the spot: Zeil et al. 2003, doi 10.1364/JOSAA.20.000450",
     ROTATED: "all rotations, over what both saw: insectnav.matching.rotation",
 }
 NAMES = (*DESCRIPTORS, *COMPARED)
@@ -63,7 +64,7 @@ class DescribeParams:
     """
 
     descriptor: str = "patch-normalised"
-    camera: ViewCamera = ViewCamera(kind="ahead")
+    camera: ViewCamera = AHEAD
     sky: str | None = None
     metric: str | None = None
     is_vectors: bool = False
@@ -77,8 +78,8 @@ class DescribeParams:
         check_choice("descriptor", self.descriptor, NAMES)
         if self.metric not in (None, self.used_metric):
             raise InputError(
-                f"--metric is {quoted(self.metric)}, expected {self.used_metric} with {self.descriptor}, or no --metric: it "
-                "is for features of your own"
+                f"--metric is {quoted(self.metric)}, expected {self.used_metric} with {self.descriptor}, or no "
+                "--metric: it is for features of your own"
             )
         if self.sky not in (None, NO_SKY, MASK):
             method, colon, channels = str(self.sky).partition(":")
@@ -87,8 +88,8 @@ class DescribeParams:
                 check_choice("channels of the sky", channels, tuple(CHANNELS))
         if self.camera.kind == "ahead" and not self.is_of_pictures:
             raise InputError(
-                f"descriptor {self.descriptor} wants the sky all round and --camera is ahead, expected --camera panorama, "
-                f"fisheye or mirror, or one of {', '.join(OF_PICTURES)}"
+                f"descriptor {self.descriptor} wants the sky all round and --camera is ahead, expected --camera "
+                f"panorama, fisheye or mirror, or one of {', '.join(OF_PICTURES)}"
             )
 
     @property
@@ -199,7 +200,7 @@ def describe(picture: Picture, params: DescribeParams) -> Features:
     if params.descriptor == TURNED:
         return np.asarray(resize(view, params.view_size or SIZE), np.float32).ravel()
     if params.descriptor == ROTATED:
-        return view.ravel()
+        return np.asarray(view, np.float32).ravel()
     return np.asarray(DESCRIPTORS[params.descriptor](view), np.float32)
 
 
@@ -245,12 +246,14 @@ def _given_mask(picture: Picture) -> NDArray[np.bool_]:
     """A picture as a mask: white is sky; black, and the 128 of the unknown, is not."""
     if picture.ndim == 3:
         if not (picture == picture[..., :1]).all():
-            raise InputError("it is in colour, expected a mask of black and white with --sky mask: the photograph itself?")
+            raise InputError(
+                "it is in colour, expected a mask of black and white with --sky mask: the photograph itself?"
+            )
         picture = picture[..., 0]
     if picture.any() and not looks_like_mask(picture):
         raise InputError(
-            f"it holds {len(np.unique(picture))} values, expected 0 and one for sky with --sky mask: a photograph, or a "
-            "mask that was stored as JPEG or resized?"
+            f"it holds {len(np.unique(picture))} values, expected 0 and one for sky with --sky mask: a photograph, "
+            "or a mask that was stored as JPEG or resized?"
         )
     return np.asarray((picture == picture.max()) & (picture > 0) & (picture != UNKNOWN))
 

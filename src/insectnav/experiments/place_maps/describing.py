@@ -60,7 +60,9 @@ def settled(frames: Iterator[Frame], params: DescribeParams) -> tuple[DescribePa
     raise InputError(_none_of(refusals))
 
 
-def described(frames: Iterator[Frame], params: DescribeParams, pictures: bool, workers: int | None) -> Iterator[Described]:
+def described(
+    frames: Iterator[Frame], params: DescribeParams, pictures: bool, workers: int | None
+) -> Iterator[Described]:
     """Frames with their features.
 
     Parameters

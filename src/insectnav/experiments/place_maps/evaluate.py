@@ -54,7 +54,8 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
         opened = PlaceMap.open(place_map)
         if opened.n_places < len(found.place_names):
             raise InputError(
-                f"the table has matches up to place {len(found.place_names) - 1}, expected a map with as many: another map?"
+                f"the table has matches up to place {len(found.place_names) - 1}, expected a map with as many: "
+                "another map?"
             )
         found = replace(
             found,

@@ -12,17 +12,18 @@ from insectnav.experiments.figures import (
     COLOURS,
     DOUBLE_COLUMN,
     RATES,
-    SINGLE_COLUMN,
     journal_style,
     name_panel,
 )
 from insectnav.experiments.place_maps.located import Located
+from insectnav.experiments.place_maps.truth import quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Reals = NDArray[np.floating[Any]]
+Integers = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 MOST_CELLS = 800  # of a side of the matrix that is drawn
 MOST_LINES = 400  # from wrong matches to where the queries were
@@ -47,7 +48,7 @@ def match_kinds(found: Located) -> list[tuple[str, Bools, str, str]]:
     return [kind for kind in kinds if kind[1].any()]
 
 
-def draw_matches(found: Located, difference: Reals, places: Reals, queries: Reals) -> Figure:
+def draw_matches(found: Located, difference: Reals, places: Integers, queries: Integers) -> Figure:
     """Matches over the queries with their scores, and in the matrix of differences.
 
     Parameters
@@ -74,7 +75,9 @@ def draw_matches(found: Located, difference: Reals, places: Reals, queries: Real
 def _draw_correspondences(axes: Axes, found: Located) -> None:
     query = np.arange(len(found.reference))
     if found.truth is not None:
-        axes.plot(query, found.truth.reference, color=COLOURS["black"], linewidth=0.7, alpha=0.6, label="truth", zorder=1)
+        axes.plot(
+            query, found.truth.reference, color=COLOURS["black"], linewidth=0.7, alpha=0.6, label="truth", zorder=1
+        )
     for word, which, colour, marker in match_kinds(found):
         axes.plot(
             query[which], found.reference[which], marker, color=colour, markersize=3.0 if marker == "." else 3.5,
@@ -82,7 +85,9 @@ def _draw_correspondences(axes: Axes, found: Located) -> None:
         )  # fmt: skip
     for first in np.flatnonzero(np.diff(found.place_routes)) + 1:
         axes.axhline(first - 0.5, color=COLOURS["grey"], linewidth=0.5, linestyle=":")
-    axes.set(ylabel="place in the map", xlim=(-0.5, len(query) - 0.5), ylim=(-0.5, max(1, len(found.place_names)) - 0.5))
+    axes.set(
+        ylabel="place in the map", xlim=(-0.5, len(query) - 0.5), ylim=(-0.5, max(1, len(found.place_names)) - 0.5)
+    )
     axes.legend(loc="upper left", borderaxespad=0.2, handletextpad=0.4)
 
 
@@ -98,7 +103,7 @@ def _draw_scores(axes: Axes, found: Located) -> None:
     axes.set(xlabel="query", ylabel="score", ylim=(0.0, max(1.0, 1.05 * float(top))))
 
 
-def _draw_matrix(axes: Axes, found: Located, difference: Reals, places: Reals, queries: Reals) -> None:
+def _draw_matrix(axes: Axes, found: Located, difference: Reals, places: Integers, queries: Integers) -> None:
     from matplotlib.colors import Normalize
 
     finite = difference[np.isfinite(difference)]
@@ -138,15 +143,15 @@ def draw_precision(found: Located) -> Figure | None:
         axes["a"].plot(curve.recall, curve.precision, drawstyle="steps-pre", color=COLOURS["blue"])
         axes["a"].plot(curve.recall[-1:], curve.precision[-1:], "o", color=COLOURS["blue"], markersize=3)
         axes["a"].set(xlabel="recall", ylabel="precision", xlim=(0, 1.02), ylim=(0, 1.02))
-        name_panel(axes["a"], "a", f"within {found.truth.tolerance:g} {found.truth.unit}")
+        name_panel(axes["a"], "a", f"within {quantity(found.truth.tolerance, found.truth.unit)}")
         judged = found.is_matched & found.truth.is_known
-        edges = np.linspace(0.0, max(1.0, float(np.nanmax(found.score[judged], initial=1.0))), 41)
+        edges = np.linspace(0.0, max(1.0, float(np.nanmax(found.score[judged], initial=1.0))), 41).tolist()
         for word, which, colour in (
             ("right", judged & found.truth.is_right, COLOURS["green"]),
             ("wrong", judged & ~found.truth.is_right, COLOURS["red"]),
         ):
             if which.any():
-                style = {"histtype": "stepfilled" if word == "right" else "step", "alpha": 0.6 if word == "right" else 1.0}
+                style: Any = {"histtype": "stepfilled", "alpha": 0.6} if word == "right" else {"histtype": "step"}
                 axes["b"].hist(found.score[which], edges, color=colour, label=f"{word} ({which.sum()})", **style)
         if found.threshold is not None:
             axes["b"].axvline(found.threshold, color=COLOURS["black"], linewidth=0.6, linestyle="--", label="threshold")
@@ -157,7 +162,7 @@ def draw_precision(found: Located) -> Figure | None:
 
 
 def draw_route(found: Located) -> Figure | None:
-    """The route on its map, and where the queries were by their matches; None if the map has no positions.
+    """The route on its map, errors and headings along it; None if there are neither positions nor headings.
 
     Parameters
     ----------
@@ -165,24 +170,78 @@ def draw_route(found: Located) -> Figure | None:
     """
     from matplotlib.figure import Figure
 
-    if not np.isfinite(found.place_positions[:, :2]).all(axis=1).any():
+    has_places = bool(np.isfinite(found.place_positions[:, :2]).all(axis=1).any())
+    has_errors = found.truth is not None and bool(np.isfinite(found.truth.error).any())
+    n_angles = 0 if found.angles_deg is None else int(np.isfinite(found.angles_deg).any(axis=0).sum())
+    if not has_places and not n_angles:
         return None
+    beside = [letter for letter, is_there in (("e", has_errors), ("h", n_angles > 0)) if is_there]
+    columns = [*(["m"] if has_places else []), *(["r"] if beside else [])]
+    rows: Any = [[letter if name == "r" else "m" for name in columns] for letter in beside or ["m"]]
     with journal_style():
-        figure = Figure(figsize=(_width(found), 3.4), layout="constrained")
-        axes = figure.subplots()
-        for number, route in enumerate(np.unique(found.place_routes)):
-            way = found.place_positions[found.place_routes == route]
-            axes.plot(*way[:, :2].T, color=COLOURS["grey"], linewidth=0.8, label="" if number else "map", zorder=1)
-        seen = found.positions if found.query_positions is None else found.query_positions
-        _draw_errors(axes, found)
-        for word, which, colour, marker in match_kinds(found):
-            axes.plot(
-                *seen[which, :2].T, marker, color=colour, markersize=3.5, markeredgewidth=0.8 if marker != "." else 0.0,
-                label=f"{word} ({which.sum()})",
-            )  # fmt: skip
-        axes.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
-        axes.legend(loc="best")
+        height = 3.4 if has_places else 1.7 * len(beside)
+        figure = Figure(figsize=(DOUBLE_COLUMN, height), layout="constrained")
+        ratios = [_map_share(found), 1.0] if len(columns) > 1 else [1.0]
+        axes = figure.subplot_mosaic(rows, width_ratios=ratios)
+        letters = iter("abc")
+        if has_places:
+            _draw_map(axes["m"], found)
+            name_panel(axes["m"], next(letters), "on the map")
+        if has_errors:
+            _draw_error_over_queries(axes["e"], found)
+            name_panel(axes["e"], next(letters), "distance from the truth")
+        if n_angles:
+            _draw_angles(axes["h"], found)
+            name_panel(axes["h"], next(letters), "turned against the match")
     return figure
+
+
+def _draw_map(axes: Axes, found: Located) -> None:
+    for number, route in enumerate(np.unique(found.place_routes)):
+        way = found.place_positions[found.place_routes == route]
+        axes.plot(*way[:, :2].T, color=COLOURS["grey"], linewidth=0.8, label="" if number else "map", zorder=1)
+    seen = found.positions if found.query_positions is None else found.query_positions
+    _draw_errors(axes, found)
+    for word, which, colour, marker in match_kinds(found):
+        shown = which & np.isfinite(seen[:, :2]).all(axis=1)
+        if shown.any():
+            axes.plot(
+                *seen[shown, :2].T, marker, color=colour, markersize=3.5, label=f"{word} ({shown.sum()})",
+                markeredgewidth=0.8 if marker != "." else 0.0,
+            )  # fmt: skip
+    axes.set(xlabel="x (m)", ylabel="y (m)")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.legend(loc="best")
+
+
+def _draw_error_over_queries(axes: Axes, found: Located) -> None:
+    if found.truth is None:
+        return
+    query = np.arange(len(found.reference))
+    for _, which, colour, marker in match_kinds(found):
+        axes.plot(query[which], found.truth.error[which], marker, color=colour, markersize=3, markeredgewidth=0.7)
+    axes.axhline(found.truth.tolerance, color=COLOURS["black"], linewidth=0.6, linestyle="--")
+    axes.text(0.99, found.truth.tolerance, "tolerance ", ha="right", va="bottom", fontsize=6,
+              transform=axes.get_yaxis_transform())  # fmt: skip
+    axes.set(xlabel="query", ylabel=f"error ({found.truth.unit})", xlim=(-0.5, len(query) - 0.5))
+    axes.set_ylim(0.0, max(1.15 * found.truth.tolerance, 1.05 * float(np.nanmax(found.truth.error))))
+
+
+def _draw_angles(axes: Axes, found: Located) -> None:
+    if found.angles_deg is None:
+        return
+    query, kept = np.arange(len(found.reference)), found.is_kept
+    for name, column, colour, marker in (
+        ("heading", 0, "blue", "."),
+        ("pitch", 1, "orange", "x"),
+        ("roll", 2, "purple", "+"),
+    ):
+        values = np.where(kept, found.angles_deg[:, column], np.nan)
+        if np.isfinite(values).any():
+            axes.plot(query, values, marker, color=COLOURS[colour], markersize=3, markeredgewidth=0.6, label=name)
+    axes.axhline(0.0, color=COLOURS["grey"], linewidth=0.5, zorder=0)
+    axes.set(xlabel="query", ylabel="angle (deg)", xlim=(-0.5, len(query) - 0.5))
+    axes.legend(loc="upper right", ncols=3)
 
 
 def _draw_errors(axes: Axes, found: Located) -> None:
@@ -195,11 +254,11 @@ def _draw_errors(axes: Axes, found: Located) -> None:
         axes.plot(*ends.T, color=COLOURS["red"], linewidth=0.4, alpha=0.7, zorder=1)
 
 
-def _width(found: Located) -> float:
-    """Of the figure of a route, by how long it is against its height [inch]."""
+def _map_share(found: Located) -> float:
+    """Width of the map against that of the panel beside it, by how long the route is against its height."""
     places = found.place_positions[np.isfinite(found.place_positions[:, :2]).all(axis=1), :2]
     across, up = np.ptp(places, axis=0) if len(places) else (1.0, 1.0)
-    return float(np.clip(3.2 * across / max(up, 1e-9) + 0.8, SINGLE_COLUMN, DOUBLE_COLUMN))
+    return float(np.clip(across / max(up, 1e-9), 0.6, 1.6))
 
 
 def draw_pairs(pairs: Sequence[tuple[str, NDArray[Any], NDArray[Any]]]) -> Figure:

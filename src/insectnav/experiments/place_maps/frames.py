@@ -18,7 +18,7 @@ from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS, find_images, 
 from insectnav.datasets.video import video_facts
 from insectnav.experiments.picture_sources import count_pictures, sources
 
-Reals = NDArray[np.float64]
+Reals = NDArray[np.floating[Any]]
 ARRAYS = (".npy", ".zarr")
 BAGS = (".bag", ".mcap", ".db3")
 MAX_VECTORS = 100_000_000  # of an array
@@ -236,8 +236,8 @@ def _of_array(path: Path) -> FrameSource:
     array = _open_array(path)
     if array.ndim != 2 or 0 in array.shape or np.dtype(array.dtype).kind not in "biuf":
         raise InputError(
-            f"{quoted(path.name, 200)} holds an array of shape {tuple(array.shape)} and type {array.dtype}, expected real "
-            "numbers (frame, feature): one descriptor a row"
+            f"{quoted(path.name, 200)} holds an array of shape {tuple(array.shape)} and type {array.dtype}, expected "
+            "real numbers (frame, feature): one descriptor a row"
         )
     if len(array) > MAX_VECTORS:
         raise InputError(f"{quoted(path.name, 200)} holds {len(array)} vectors, expected at most {MAX_VECTORS:.0e}")
@@ -267,7 +267,9 @@ def _open_array(path: Path) -> Any:
         return opened
     arrays = [one for _, one in opened.arrays() if one.ndim == 2]
     if len(arrays) != 1:
-        raise InputError(f"{name} holds {len(arrays)} arrays (frame, feature), expected one: name it, as in FILE.zarr/NAME")
+        raise InputError(
+            f"{name} holds {len(arrays)} arrays (frame, feature), expected one: name it, as in FILE.zarr/NAME"
+        )
     return arrays[0]
 
 
@@ -280,7 +282,9 @@ def _of_bag(path: Path, topic: str | None) -> FrameSource:
 
     def frames() -> Iterator[Frame]:
         for number, (time, picture) in enumerate(bag_images(path, topic)):
-            yield Frame(name=f"{path.stem}_{number:06d}", number=number, read=partial(_given, picture), time=float(time))
+            yield Frame(
+                name=f"{path.stem}_{number:06d}", number=number, read=partial(_given, picture), time=float(time)
+            )
 
     return FrameSource(frames=frames(), total=0, kind="bag")
 
@@ -289,8 +293,6 @@ def _given(value: Any) -> Any:
     if isinstance(value, InputError):
         raise value
     return value
-
-
 
 
 def _ordinal(number: int) -> str:

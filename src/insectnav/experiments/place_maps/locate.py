@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ from insectnav.experiments.place_maps.whereabouts import Whereabouts, placed
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.seqslam import SeqSlamParams
 
-Reals = NDArray[np.float64]
+Reals = NDArray[np.floating[Any]]
 MOST_BYTES_OF_PICTURES = 200_000_000  # kept while queries are located
 TOLERANCE_FRAMES = 2.0  # [frame] as docs/place-recognition.md has it for Nordland
 
@@ -83,11 +83,11 @@ class LocateParams:
     truth : TruthParams
     """
 
-    given: GivenOptions = GivenOptions()
-    thinning: Thinning = Thinning()
-    where: Whereabouts = Whereabouts()
+    given: GivenOptions = field(default_factory=GivenOptions)
+    thinning: Thinning = field(default_factory=Thinning)
+    where: Whereabouts = field(default_factory=Whereabouts)
     topic: str | None = None
-    seqslam: SeqSlamParams = SeqSlamParams()
+    seqslam: SeqSlamParams = field(default_factory=SeqSlamParams)
     search: str = "auto"
     threshold: float | None = None
     truth: TruthParams = TruthParams()
@@ -145,13 +145,18 @@ def locate(
     placed_source = placed(source, params.where, about.origin_deg)
     _check_origins(placed_source.origin_deg, about, params.truth)
     left_out: list[str] = []
-    thinning = replace(params.thinning, step=(params.thinning.step or 1) // source.step) if source.step > 1 else params.thinning
+    thinning = (
+        replace(params.thinning, step=(params.thinning.step or 1) // source.step)
+        if source.step > 1
+        else params.thinning
+    )
     frames = thinned(placed_source.source.frames, thinning, left_out)
     describe, frames, notes = settled(frames, describe)
     if describe.descriptor == ROTATED and not describe.is_vectors:
         params = replace(params, seqslam=replace(params.seqslam, sequence_length=1))
         notes = [*notes, "rotations are searched frame by frame, without sequences"]
-    remarks, queries, pictures = Remarks(), [], {}
+    remarks, pictures = Remarks(), {}
+    queries: list[Described] = []
     n_bytes = 0
     for one in described(frames, describe, params.pictures, params.workers):
         remarks.add(one)
@@ -173,7 +178,13 @@ def locate(
         features=features,
         pictures=pictures,
         describe=describe,
-        notes=[*placed_source.notes, *notes, *lost, *remarks.sentences(""), *_warnings(found, source.is_vectors, about)],
+        notes=[
+            *placed_source.notes,
+            *notes,
+            *lost,
+            *remarks.sentences(""),
+            *_warnings(found, source.is_vectors, about),
+        ],
         seqslam=params.seqslam,
         seconds={"describing": middle - started, "matching": finished - middle},
     )
@@ -248,7 +259,9 @@ def _warnings(found: Located, is_vectors: bool, about: MapAbout) -> list[str]:
         said.append(f"the first and last {half} queries have no match, since a sequence does not reach beyond them")
     inner = found.has_sequence & ~found.is_matched
     if inner.any():
-        said.append(f"{int(inner.sum())} more queries have no match: too many frames missing, or nothing tells places apart")
+        said.append(
+            f"{int(inner.sum())} more queries have no match: too many frames missing, or nothing tells places apart"
+        )
     return said
 
 

@@ -22,10 +22,23 @@ from insectnav.metrics.retrieval import (
     recall_at_full_precision,
 )
 
-Reals = NDArray[np.float64]
+Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
 Bools = NDArray[np.bool_]
-MATCH_COLUMNS = ("query", "name", "time_s", "reference", "reference_name", "route", "score", "speed", "is_kept", "x", "y", "z")
+MATCH_COLUMNS = (
+    "query",
+    "name",
+    "time_s",
+    "reference",
+    "reference_name",
+    "route",
+    "score",
+    "speed",
+    "is_kept",
+    "x",
+    "y",
+    "z",
+)
 ANGLE_COLUMNS = ("heading_deg", "pitch_deg", "roll_deg")  # of the query in the frame of its match
 
 
@@ -201,12 +214,14 @@ def read_matches(path: str | os.PathLike[str]) -> Located:
     missing = [name for name in needed if not rows or name not in rows[0]]
     if missing:
         raise InputError(
-            f"{shown} lacks the column{'s' if len(missing) > 1 else ''} {', '.join(missing)}, expected a table of matches "
-            "as `insectnav map locate` writes it"
+            f"{shown} lacks the column{'s' if len(missing) > 1 else ''} {', '.join(missing)}, expected a table of "
+            "matches as `insectnav map locate` writes it"
         )
     values = {name: _column(rows, name, shown) for name in ("query", "reference", "score", "speed", "time_s", *"xyz")}
     if not np.array_equal(values["query"], np.arange(len(rows))):
-        raise InputError(f"{shown} does not number its queries 0, 1, 2, …, expected all of them in order: sorted or cut?")
+        raise InputError(
+            f"{shown} does not number its queries 0, 1, 2, …, expected all of them in order: sorted or cut?"
+        )
     reference = np.where(np.isnan(values["reference"]), -1, values["reference"]).astype(np.int64)
     return _without_map(rows, reference, values)
 
@@ -241,7 +256,9 @@ def _column(rows: list[dict[str, str]], name: str, shown: str) -> Reals:
             try:
                 values[number] = float(text)
             except ValueError:
-                raise InputError(f"line {number + 2} of {shown} has the {name} {quoted(text)}, expected a number") from None
+                raise InputError(
+                    f"line {number + 2} of {shown} has the {name} {quoted(text)}, expected a number"
+                ) from None
     return values
 
 

@@ -1,4 +1,4 @@
-"""The page on which places found again are shown: one file that loads nothing, with figures, pairs of frames and numbers."""
+"""The page of places found again: one file that loads nothing, with figures, pairs of frames and numbers."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from insectnav import __version__
 from insectnav.experiments.page_parts import POLICY, page_row, page_table, safe_text
 from insectnav.experiments.place_maps.page_style import STYLE
 from insectnav.experiments.place_maps.pairs import Pair
+from insectnav.experiments.place_maps.truth import quantity
 
 DATE = "%Y-%m-%d %H:%M"
 WIDE = 1000  # [pixel] from which on a phone scrolls a figure, to keep its letters legible
@@ -22,11 +23,11 @@ MOST_NOTES = 40
 
 @dataclass(frozen=True, kw_only=True)
 class Plot:
-    """A figure for the page: heading, caption and PNG with its size [pixel]."""
+    """A figure for the page: heading, what each panel shows (letter, text), and PNG with its size [pixel]."""
 
     name: str
     heading: str
-    caption: str
+    caption: Sequence[tuple[str, str]]
     png: bytes
     size: tuple[int, int]  # columns, rows
 
@@ -92,7 +93,9 @@ def render_page(page: PlacePage) -> str:
 
 
 def _head(page: PlacePage) -> str:
-    tiles = "".join(f"<li><strong>{safe_text(value)}</strong><span>{safe_text(what)}</span></li>\n" for value, what in page.tiles)
+    tiles = "".join(
+        f"<li><strong>{safe_text(value)}</strong><span>{safe_text(what)}</span></li>\n" for value, what in page.tiles
+    )
     shown = [f'<p class="note"><strong>Note:</strong> {safe_text(note)}.</p>' for note in page.notes[:MOST_NOTES]]
     if len(page.notes) > MOST_NOTES:
         shown.append(f'<p class="note">And {len(page.notes) - MOST_NOTES} more notes: see summary.json.</p>')
@@ -107,13 +110,14 @@ def _plot(plot: Plot) -> str:
     columns, rows = plot.size
     is_wide = ' class="wide"' if columns >= WIDE else ""
     data = base64.b64encode(plot.png).decode("ascii")
+    caption = " ".join(f"<strong>{safe_text(letter)}</strong> {safe_text(text)}" for letter, text in plot.caption)
     return f"""<section id="{safe_text(plot.name)}">
 <h2>{safe_text(plot.heading)}</h2>
 <figure>
 <div class="plot" tabindex="0" role="group" aria-label="{safe_text(plot.heading)}">
 <img{is_wide} src="data:image/png;base64,{data}" width="{columns}" height="{rows}" alt="{safe_text(plot.heading)}">
 </div>
-<figcaption>{safe_text(plot.caption)}</figcaption>
+<figcaption>{caption}</figcaption>
 </figure>
 </section>"""
 
@@ -132,11 +136,13 @@ def _pairs(pairs: Sequence[Pair]) -> str:
 
 def _pair(pair: Pair) -> str:
     pictures = "\n".join(
-        _picture(data, size, word) for data, size, word in ((*pair.query, "query"), (*pair.match, "its match in the map"))
+        _picture(data, size, word)
+        for data, size, word in ((*pair.query, "query"), (*pair.match, "its match in the map"))
     )
     return f"""<figure class="pair">
 {pictures}
-<figcaption><strong class="{safe_text(pair.kind)}">{safe_text(pair.title)}</strong>{safe_text(pair.caption)}</figcaption>
+<figcaption><strong class="{safe_text(pair.kind)}">{safe_text(pair.title)}</strong>
+{safe_text(pair.caption)}</figcaption>
 </figure>"""
 
 
@@ -180,5 +186,5 @@ def lead_sentence(numbers: Mapping[str, Any]) -> str:
         return sentence + "."
     if numbers["judged"] == 0:
         return sentence + "; none of these can be judged."
-    within = f"within {numbers['tolerance']:g} {numbers['unit']}"
+    within = f"within {quantity(numbers['tolerance'], numbers['unit'])}"
     return sentence + f"; of all {numbers['judged']} matches that can be judged {numbers['right']} are right, {within}."

@@ -10,7 +10,8 @@ h2 { margin-bottom: .6rem; }
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(9.5rem, 1fr)); gap: .75rem; margin: 1.25rem 0 0;
   padding: 0; list-style: none; }
 .tiles li { border: 1px solid #dcdcdc; border-radius: 6px; padding: .6rem .8rem; }
-.tiles strong { display: block; font-size: 1.5rem; line-height: 1.25; font-weight: 600; font-variant-numeric: tabular-nums; }
+.tiles strong { display: block; font-size: 1.5rem; line-height: 1.25; font-weight: 600;
+  font-variant-numeric: tabular-nums; }
 .tiles span { font-size: .85rem; color: #4a4a4a; }
 .pairs { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 17rem), 1fr)); gap: 1rem; }
 .pair { margin: 0; border: 1px solid #dcdcdc; border-radius: 6px; padding: .6rem; }

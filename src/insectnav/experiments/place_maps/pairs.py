@@ -9,6 +9,7 @@ import numpy as np
 
 from insectnav.experiments.place_maps.located import Located
 from insectnav.experiments.place_maps.thumbnails import picture_of
+from insectnav.experiments.place_maps.truth import quantity
 
 N_WRONG = 3  # shown at most
 NOTHING: tuple[bytes, tuple[int, int]] = (b"", (0, 0))
@@ -79,7 +80,7 @@ def _caption(found: Located, query: int, place: int) -> str:
     own, other = (names[k] for names, k in ((found.names, query), (found.place_names, place)))
     text = f"Query {query}{_named(own)}, place {place}{_named(other)}; score {found.score[query]:.2f}"
     if found.truth is not None and np.isfinite(found.truth.error[query]):
-        text += f", {found.truth.error[query]:.3g} {found.truth.unit} off"
+        text += f", {quantity(found.truth.error[query], found.truth.unit)} off"
     return text
 
 

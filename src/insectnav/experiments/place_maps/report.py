@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import secrets
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -17,11 +17,13 @@ from insectnav.checks import InputError, quoted
 from insectnav.experiments.figures import save_figure
 from insectnav.experiments.place_maps import figures
 from insectnav.experiments.place_maps.compare import differences
+from insectnav.experiments.place_maps.describe import ROTATED, TURNED
 from insectnav.experiments.place_maps.locate import LocateParams, Search
 from insectnav.experiments.place_maps.located import Located, numbers, write_rows
 from insectnav.experiments.place_maps.page import PlacePage, Plot, lead_sentence, render_page
 from insectnav.experiments.place_maps.pairs import chosen_pairs, shown_pairs
 from insectnav.experiments.place_maps.thumbnails import find_thumbnails, picture_of
+from insectnav.experiments.place_maps.truth import quantity
 from insectnav.experiments.results import (
     PROVENANCE,
     check_destination,
@@ -35,6 +37,11 @@ from insectnav.matching.places import PlaceMap
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Caption = list[tuple[str, str]]  # letter of a panel, and what it shows
+PRECISION_CAPTION = [
+    ("a", "Precision over recall as ever worse scores are kept; the dot keeps all."),
+    ("b", "Scores of right and wrong matches: a robot keeps those below a threshold that parts them."),
+]
 TABLE, PAGE, SUMMARY, FIGURES = "matches.csv", "page.html", "summary.json", "figures"
 SAID = {  # of the numbers: what they are called, how they are written, what they are
     "queries": ("Queries", "d", "frames that were looked for"),
@@ -44,7 +51,11 @@ SAID = {  # of the numbers: what they are called, how they are written, what the
     "score_median": ("Score, median", ".3f", "of all matches: 0 is unique, 1 as good as another place"),
     "speed_median": ("Speed, median", ".2f", "places of the map per query"),
     "judged": ("Judged", "d", "matches of which it is known whether they are right"),
-    "can_be_matched": ("Can be matched", "d", "queries whose place is in the map and that have a whole sequence about them"),
+    "can_be_matched": (
+        "Can be matched",
+        "d",
+        "queries whose place is in the map and that have a whole sequence about them",
+    ),
     "right": ("Right", "d", "matches within the tolerance"),
     "precision_of_all": ("Precision of all matches", ".1%", "right matches of all that are judged, at full recall"),
     "recall_of_all": ("Recall of all matches", ".1%", "right matches of all queries that can be matched"),
@@ -82,7 +93,7 @@ def summary(search: Search, params: LocateParams, place_map: PlaceMap) -> dict[s
             "metric": about.metric,
             "camera": about.camera,
             **dict(about.settings),
-            **{name: value for name, value in vars(search.seqslam).items()},
+            **vars(search.seqslam),
             "search": params.search,
             "threshold": params.threshold,
             "taken": params.thinning.in_words,
@@ -198,9 +209,7 @@ def _write_whole(option: str, path: Path, text: str) -> None:
         temporary.unlink(missing_ok=True)
 
 
-def page_text(
-    search: Search, params: LocateParams, place_map: PlaceMap, title: str, folder: Path | None = None
-) -> str:
+def page_text(search: Search, params: LocateParams, place_map: PlaceMap, title: str, folder: Path | None = None) -> str:
     """The page as HTML; figures go into the folder, too, as PNG and PDF.
 
     Parameters
@@ -240,36 +249,50 @@ def page_text(
     )
 
 
-def _drawn(search: Search, place_map: PlaceMap) -> list[tuple[str, Figure, str, str]]:
+def _drawn(search: Search, place_map: PlaceMap) -> list[tuple[str, Figure, str, list[tuple[str, str]]]]:
     """Name, figure, heading and caption of all that can be drawn."""
-    found, truth = search.found, search.found.truth
+    found = search.found
     places, queries = (figures.drawn_numbers(n) for n in (len(found.place_names), len(found.names)))
     difference = differences(place_map, places, search.features[queries], search.describe)
-    kinds = "right ones green, wrong ones red crosses" if truth is not None else "blue"
+    drawings = [
+        ("matches", figures.draw_matches(found, difference, places, queries), "Matches", _match_caption(search)),
+        ("precision", figures.draw_precision(found), "Precision and recall", PRECISION_CAPTION),
+        ("route", figures.draw_route(found), "Along the route", _route_caption(found)),
+    ]
+    return [(name, figure, heading, text) for name, figure, heading, text in drawings if figure is not None]
+
+
+def _match_caption(search: Search) -> Caption:
+    truth, describe = search.found.truth, search.describe
+    kinds = "right ones green, wrong ones red crosses" if truth is not None else "in blue"
     line = f"; the line is the truth: {truth.source}" if truth is not None else ""
-    caption = (
-        f"a  The match of each query in the map, {kinds}{line}. b  How different each query is from each place "
-        f"({place_map.about.metric}), dark where alike, with the matches in it. c  Scores: 0 where a match is unique, 1 "
-        "where another place fits as well."
-    )
-    found_drawings = [
-        ("matches", figures.draw_matches(found, difference, places, queries), "Matches", caption),
-        (
-            "precision", figures.draw_precision(found), "Precision and recall",
-            "a  Precision over recall as ever worse scores are kept; the dot keeps all. b  Scores of right and wrong "
-            "matches: a robot keeps those below a threshold that parts them.",
-        ),
-        (
-            "route", figures.draw_route(found), "On the map",
-            "Grey: the places of the map. "
-            + ("Dots: where the queries were." if found.query_positions is not None else "Dots: where the matches are.")
-            + (" Red lines lead from a query to its wrong match." if truth is not None else ""),
-        ),
-    ]  # fmt: skip
-    return [(name, figure, heading, text) for name, figure, heading, text in found_drawings if figure is not None]
+    how = describe.used_metric
+    if not describe.is_vectors:
+        how = {TURNED: "after the best turn", ROTATED: "without any rotation"}.get(describe.descriptor, how)
+    return [
+        ("a", f"The match of each query in the map, {kinds}{line}."),
+        ("b", f"How different each query is from each place ({how}), dark where alike, with the matches in it."),
+        ("c", "Scores: 0 where a match is unique, 1 where another place fits as well."),
+    ]
 
 
-def _plot(name: str, figure: Figure, heading: str, caption: str) -> Plot:
+def _route_caption(found: Located) -> Caption:
+    """What the figure of the route shows, panel by panel."""
+    said = []
+    if np.isfinite(found.place_positions[:, :2]).all(axis=1).any():
+        own = "where the queries were" if found.query_positions is not None else "where their matches are"
+        text = f"Grey: the places of the map; marks: {own}"
+        if found.truth is not None and found.query_positions is not None and found.truth.unit == "m":
+            text += "; red lines lead from a query to its wrong match"
+        said.append(text)
+    if found.truth is not None and np.isfinite(found.truth.error).any():
+        said.append("Distance of each match from the truth")
+    if found.angles_deg is not None and np.isfinite(found.angles_deg).any():
+        said.append("How each query was turned against its match: headings clockwise, nose up, right side down")
+    return [(letter, f"{text}.") for letter, text in zip("abc", said, strict=False)]
+
+
+def _plot(name: str, figure: Figure, heading: str, caption: Sequence[tuple[str, str]]) -> Plot:
     from insectnav.experiments.figures import journal_style
 
     data = io.BytesIO()
@@ -288,10 +311,11 @@ def _tiles(values: Mapping[str, Any]) -> list[tuple[str, str]]:
             (f"{values['recall_at_full_precision']:.1%}", "recall before the first wrong match"),
         ]
     if "error_median" in values:
-        tiles.append((f"{values['error_median']:.3g} {values['unit']}", "off in the median"))
+        tiles.append((quantity(values["error_median"], values["unit"]), "off in the median"))
     if "precision_of_all" not in values:
         tiles.append((f"{values['score_median']:.2f}", "median score (0 unique, 1 ambiguous)"))
-        tiles.append((f"{values['speed_median']:.2f}", "places per query"))
+        if np.isfinite(values["speed_median"]):
+            tiles.append((f"{values['speed_median']:.2f}", "places per query"))
     return tiles
 
 
@@ -299,13 +323,12 @@ def _in_words(values: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     rows = []
     for name, (title, form, what) in SAID.items():
         value = values.get(name)
-        if value is None:
+        if value is None or (isinstance(value, float) and not np.isfinite(value)):
             continue
-        unit = f" {values['unit']}" if name.startswith("error") else ""
-        shown = "–" if isinstance(value, float) and not np.isfinite(value) else format(value, form) + unit
+        shown = quantity(value, values["unit"]) if name.startswith("error") else format(value, form)
         rows.append((title, shown, what))
     if "tolerance" in values:
-        rows.append(("Tolerance", f"{values['tolerance']:g} {values['unit']}", "up to which a match is right"))
+        rows.append(("Tolerance", quantity(values["tolerance"], values["unit"]), "up to which a match is right"))
     return rows
 
 
@@ -320,19 +343,19 @@ def _settings(search: Search, params: LocateParams, place_map: PlaceMap) -> list
         (
             "Matched by",
             f"SeqSLAM (Milford & Wyeth 2012): sequences of {seqslam.n_steps + 1} frames, {seqslam.slowest:g} to "
-            f"{seqslam.fastest:g} places per query, contrast over {seqslam.contrast_window} places, score against all starts "
-            f"farther than {seqslam.unique_window // 2} places; search {params.search}"
+            f"{seqslam.fastest:g} places per query, contrast over {seqslam.contrast_window} places, score against "
+            f"all starts farther than {seqslam.unique_window // 2} places; search {params.search}"
             if seqslam.n_steps
             else "frames one by one, the best contrast against its neighbours; a sequence of 1",
         ),
         ("Threshold", "none: all matches are kept" if found.threshold is None else f"scores up to {found.threshold:g}"),
         ("Truth", "none is known" if found.truth is None else f"{found.truth.source}, right within "
-         f"{found.truth.tolerance:g} {found.truth.unit}"),
+         + quantity(found.truth.tolerance, found.truth.unit)),
     ]  # fmt: skip
     if found.truth is not None:
         rows.append(
-            ("Recall counts", "queries whose place is in the map and that have a whole sequence about them; a query that "
-             "cannot be judged counts for nothing")
+            ("Recall counts", "queries whose place is in the map and that have a whole sequence about them; a query "
+             "that cannot be judged counts for nothing")
         )  # fmt: skip
     if origin is not None:
         rows.append(("Origin of x and y", f"latitude {origin[0]:.6f}°, longitude {origin[1]:.6f}° (x east, y north)"))

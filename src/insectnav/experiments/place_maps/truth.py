@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_range, quoted
 
-Reals = NDArray[np.float64]
+Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 MAX_BYTES = 1_000_000_000  # of a table
@@ -53,6 +53,11 @@ class Truth:
             return np.asarray(self.is_known & (self.error <= self.tolerance))
 
 
+def quantity(value: float, unit: str) -> str:
+    """A number with its unit, as a person writes it: 0.25 m, 1 frame, 2 frames."""
+    return f"{value:.3g} {'frame' if unit == 'frames' and value == 1.0 else unit}"
+
+
 def same_index(matched: Integers, routes: Integers, tolerance: float) -> Truth:
     """Truth of two recordings frame by frame in step: query k was taken at place k of each route.
 
@@ -83,9 +88,7 @@ def same_index(matched: Integers, routes: Integers, tolerance: float) -> Truth:
     )
 
 
-def from_pairs(
-    matched: Integers, pairs: Mapping[int, int], tolerance: float, source: str, n_references: int
-) -> Truth:
+def from_pairs(matched: Integers, pairs: Mapping[int, int], tolerance: float, source: str, n_references: int) -> Truth:
     """Truth of a table: the place of each query, −1 for one that is not in the map; others are not judged.
 
     Parameters
@@ -101,8 +104,8 @@ def from_pairs(
     for query, place in pairs.items():
         if not 0 <= query < len(matched) or not -1 <= place < n_references:
             raise InputError(
-                f"the truth pairs query {query} with place {place}, expected queries 0 to {len(matched) - 1} and places 0 "
-                f"to {n_references - 1}, or −1 for none: of another map, or thinned otherwise?"
+                f"the truth pairs query {query} with place {place}, expected queries 0 to {len(matched) - 1} and "
+                f"places 0 to {n_references - 1}, or −1 for none: of another map, or thinned otherwise?"
             )
         is_known[query] = True
         reference[query] = np.nan if place < 0 else place
@@ -134,7 +137,7 @@ def by_position(
     """
     check_range("tolerance-m", tolerance, 0.0, np.inf)
     query, places = query_positions[:, :2], reference_positions[:, :2]
-    has_position, has_place = np.isfinite(query).all(axis=1), np.isfinite(places).all(axis=1)
+    has_position, has_place = (np.asarray(np.isfinite(one).all(axis=1)) for one in (query, places))
     if not has_position.any() or not has_place.any():
         what = "query" if not has_position.any() else "place of the map"
         raise InputError(f"no {what} has a position, expected some for a truth by --positions: other names or times?")
@@ -190,7 +193,11 @@ def read_pairs(
     for number, row in enumerate(rows, 2):
         own = _number(row[query], of_query, f"line {number} of --truth {shown} names the query")
         text = row[reference].strip()
-        known = -1 if text in ("", "-1") else _number(text, of_reference, f"line {number} of --truth {shown} names the place")
+        known = (
+            -1
+            if text in ("", "-1")
+            else _number(text, of_reference, f"line {number} of --truth {shown} names the place")
+        )
         pairs[own] = known
     return pairs
 

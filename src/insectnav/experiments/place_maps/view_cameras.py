@@ -81,6 +81,9 @@ class ViewCamera:
         return _panorama(size, self.numbers or _elevations(size))
 
 
+AHEAD = ViewCamera(kind="ahead")
+
+
 def view_camera(text: str) -> ViewCamera:
     """The camera that a word such as fisheye:180 stands for.
 
@@ -119,8 +122,8 @@ def _elevations(size: tuple[int, int]) -> tuple[float, float]:
         if abs(height - known) <= 180.0 / size[1]:  # half a pixel
             return elevations
     raise InputError(
-        f"a panorama of {size[0]} × {size[1]} pixels shows {height:.3g}° of elevation, expected --camera panorama:LOW,HIGH "
-        "to say which, as in panorama:-15,60"
+        f"a panorama of {size[0]} × {size[1]} pixels shows {height:.3g}° of elevation, expected --camera "
+        "panorama:LOW,HIGH to say which, as in panorama:-15,60"
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from insectnav.datasets.frame_times import times_of_frames
 from insectnav.datasets.positions import MAX_GAP_S, Positions, positions_of_frames, read_positions
 from insectnav.experiments.place_maps.frames import NOWHERE, Frame, FrameSource
 
-Reals = NDArray[np.float64]
+Reals = NDArray[np.floating[Any]]
 Origin = tuple[float, float] | None
 
 
