@@ -16,6 +16,7 @@ from insectnav.cli.progress import progress_bar
 
 if TYPE_CHECKING:
     from insectnav.experiments.place_maps.locate import LocateParams, Search
+    from insectnav.experiments.place_maps.opening import FrameParams
     from insectnav.experiments.place_maps.whereabouts import Whereabouts
     from insectnav.matching.places import PlaceMap
 
@@ -29,17 +30,15 @@ map_app = typer.Typer(
 
 def build(**given: Any) -> None:
     """Build a map of the places that frames show."""
-    from insectnav.experiments.place_maps.build import UNFINISHED, BuildParams, build, count_frames
+    from insectnav.experiments.place_maps.build import UNFINISHED, BuildParams, build
+    from insectnav.experiments.place_maps.opening import count_frames
     from insectnav.experiments.results import to_json
 
     gc.enable()  # which `program` turns off; a map may be large
-    params = BuildParams(
-        **_of_frames(given), adds=given["add"], freezes=given["freeze"], pictures=not given["no_pictures"],
-        workers=given["workers"],
-    )  # fmt: skip
+    params = BuildParams(frames=_frame_params(given), adds=given["add"], freezes=given["freeze"])
     frames, folder = given["frames"], given["map_folder"]
     try:
-        with progress_bar(count_frames(frames, params.thinning, params.topic), "frames") as advance:
+        with progress_bar(count_frames(frames, params.frames), "frames") as advance:
             result = build(frames, folder, params, advance)
     except KeyboardInterrupt:
         if (Path(folder) / UNFINISHED).exists():
@@ -122,7 +121,7 @@ def locate_params(given: Mapping[str, Any]) -> "LocateParams":
 
     names = {"sequence_length": "sequence_length", "slowest": "slowest", "fastest": "fastest"}
     return LocateParams(
-        **_of_frames(given),
+        frames=_frame_params(given),
         seqslam=SeqSlamParams(**_chosen(given, names)),
         truth=TruthParams(
             pairs=given["truth"],
@@ -130,22 +129,24 @@ def locate_params(given: Mapping[str, Any]) -> "LocateParams":
             tolerance_frames=given["tolerance_frames"],
             tolerance_m=given["tolerance_m"],
         ),
-        **_chosen(given, {"search": "search", "threshold": "threshold", "workers": "workers"}),
-        pictures=not given.get("no_pictures", True),
+        **_chosen(given, {"search": "search", "threshold": "threshold"}),
     )
 
 
-def _of_frames(given: Mapping[str, Any]) -> dict[str, Any]:
+def _frame_params(given: Mapping[str, Any]) -> "FrameParams":
     """Which frames are taken, how they are described, when and where they were."""
     from insectnav.experiments.place_maps.choices import GivenOptions
     from insectnav.experiments.place_maps.frames import Thinning
+    from insectnav.experiments.place_maps.opening import FrameParams
 
-    return {
-        "given": GivenOptions(**_chosen(given, {name: name for name in ("descriptor", "camera", "sky", "metric")})),
-        "thinning": Thinning(step=given["step"], every_m=given["every_m"], every_s=given["every_s"]),
-        "where": _where(given),
-        "topic": given["topic"],
-    }
+    return FrameParams(
+        given=GivenOptions(**_chosen(given, {name: name for name in ("descriptor", "camera", "sky", "metric")})),
+        thinning=Thinning(step=given["step"], every_m=given["every_m"], every_s=given["every_s"]),
+        where=_where(given),
+        topic=given["topic"],
+        pictures=not given.get("no_pictures", True),
+        workers=given["workers"],
+    )
 
 
 def _where(given: Mapping[str, Any]) -> "Whereabouts":
@@ -166,10 +167,10 @@ def _chosen(given: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any
 
 
 def _searched(place_map: "PlaceMap", frames: list[str], params: "LocateParams") -> "Search":
-    from insectnav.experiments.place_maps.build import count_frames
     from insectnav.experiments.place_maps.locate import locate
+    from insectnav.experiments.place_maps.opening import count_frames
 
-    with progress_bar(count_frames(frames, params.thinning, params.topic), "frames") as advance:
+    with progress_bar(count_frames(frames, params.frames), "frames") as advance:
         return locate(place_map, frames, params, advance)
 
 

@@ -8,7 +8,7 @@ import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,11 @@ from typing import Any
 import numpy as np
 
 from insectnav.checks import InputError, quoted
-from insectnav.experiments.place_maps.choices import GivenOptions, chosen_params
 from insectnav.experiments.place_maps.describe import DescribeParams
 from insectnav.experiments.place_maps.describing import Described, Remarks, described, settled, stacked
-from insectnav.experiments.place_maps.frames import Frame, Thinning, open_frames, thinned
+from insectnav.experiments.place_maps.frames import Frame
+from insectnav.experiments.place_maps.opening import FrameParams, opened
 from insectnav.experiments.place_maps.thumbnails import keep_thumbnails
-from insectnav.experiments.place_maps.whereabouts import Whereabouts, placed
 from insectnav.matching.places import MapAbout, PlaceMap
 
 UNFINISHED = "unfinished.json"  # in a map while frames are being added to it
@@ -35,31 +34,14 @@ class BuildParams:
 
     Parameters
     ----------
-    given : what the user said of descriptor, camera, sky and metric
-    thinning : which frames are taken
-    where : when and where they were taken
-    topic : of the pictures in the recording of a robot
+    frames : which frames are taken
     adds : whether frames are added to a map that is there
     freezes : whether the map is closed and indexed at the end
-    pictures : whether small pictures are kept
-    workers : threads
     """
 
-    given: GivenOptions = field(default_factory=GivenOptions)
-    thinning: Thinning = field(default_factory=Thinning)
-    where: Whereabouts = field(default_factory=Whereabouts)
-    topic: str | None = None
+    frames: FrameParams = field(default_factory=FrameParams)
     adds: bool = False
     freezes: bool = False
-    pictures: bool = True
-    workers: int | None = None
-
-
-def count_frames(places: Sequence[str], thinning: Thinning, topic: str | None) -> int:
-    """How many frames are to be described, as far as the files say; 0 if nobody knows."""
-    source = open_frames(places, step=thinning.step or 1, topic=topic)
-    step = (thinning.step or 1) // source.step
-    return -(-source.total // step)
 
 
 def build(
@@ -85,28 +67,24 @@ def build(
     started = time.perf_counter()
     path = Path(folder)
     place_map = _opened(path, params.adds)
-    source = open_frames(places, step=params.thinning.step or 1, topic=params.topic)
-    describe = chosen_params(params.given, place_map.about if place_map else None, source.is_vectors)
-    origin = place_map.about.origin_deg if place_map else None
-    source, origin, notes = placed(source, params.where, origin)
-    left_out: list[str] = []
-    thinning = (
-        replace(params.thinning, step=(params.thinning.step or 1) // source.step)
-        if source.step > 1
-        else params.thinning
-    )
-    frames = thinned(source.frames, thinning, left_out)
-    record = _record(places, params)
+    given = opened(places, params.frames, place_map.about if place_map else None)
+    record = _record(places, params.frames)
     n_before, n_done = _progress_before(path, place_map, record)
     if n_done:
-        next(islice(frames, n_done, n_done), None)
-    describe, frames, more = _settled(frames, describe, n_done)
-    run = _Run(path=path, params=params, describe=describe, origin_deg=origin, record=record, first=n_before)
+        next(islice(given.frames, n_done, n_done), None)
+    describe, frames, more = _settled(given.frames, given.describe, n_done)
+    run = _Run(
+        path=path,
+        pictures=params.frames.pictures,
+        describe=describe,
+        origin_deg=given.origin_deg,
+        record=record,
+        first=n_before,
+    )
     remarks = Remarks()
+    ready = _told(described(frames, describe, params.frames.pictures, params.frames.workers), remarks)
     try:
-        run.add_all(
-            place_map, _told(described(frames, describe, params.pictures, params.workers), remarks), n_done, progress
-        )
+        run.add_all(place_map, ready, n_done, progress)
         if not n_done:
             remarks.check_any()
     except InputError:
@@ -117,7 +95,6 @@ def build(
     (path / UNFINISHED).unlink(missing_ok=True)
     if params.freezes:
         result.freeze()
-    said = [*notes, *more, *_left_out(left_out, params.thinning), *remarks.sentences(describe.used_metric)]
     seconds = time.perf_counter() - started
     return {
         "map": str(folder),
@@ -127,9 +104,9 @@ def build(
         "seconds": seconds,
         "frames_per_second": remarks.n_frames / seconds,
         **facts(result),
-        "taken": params.thinning.in_words,
-        "skipped": [{"name": name, "reason": why} for name, why in source.skipped],
-        "notes": said,
+        "taken": params.frames.thinning.in_words,
+        "skipped": [{"name": name, "reason": why} for name, why in given.source.skipped],
+        "notes": [*given.notes, *more, *remarks.sentences(describe.used_metric)],
     }
 
 
@@ -168,7 +145,7 @@ class _Run:
     """Places on their way to disk."""
 
     path: Path
-    params: BuildParams
+    pictures: bool
     describe: DescribeParams
     origin_deg: tuple[float, float] | None
     record: dict[str, Any]
@@ -214,7 +191,7 @@ class _Run:
             names=[one.frame.name for one in batch],
             new_route=n_done == 0 and n_before > 0,
         )
-        if self.params.pictures:
+        if self.pictures:
             keep_thumbnails(self.path, n_before, [one.picture for one in batch])
         return place_map
 
@@ -247,7 +224,7 @@ def _opened(path: Path, adds: bool) -> PlaceMap | None:
     return PlaceMap.open(path)
 
 
-def _record(places: Sequence[str], params: BuildParams) -> dict[str, Any]:
+def _record(places: Sequence[str], params: FrameParams) -> dict[str, Any]:
     """What makes two builds the same, so that one may go on with the other."""
     where = asdict(params.where)
     for name in ("times", "positions"):
@@ -302,10 +279,3 @@ def _told(frames: Iterator[Described], remarks: Remarks) -> Iterator[Described]:
     for one in frames:
         remarks.add(one)
         yield one
-
-
-def _left_out(names: Sequence[str], thinning: Thinning) -> list[str]:
-    if not names:
-        return []
-    lack = "position" if thinning.every_m is not None else "time"
-    return [f"{len(names)} frames without a known {lack} are left out, such as {names[0]}"]

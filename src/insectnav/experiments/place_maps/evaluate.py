@@ -63,10 +63,10 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
             place_positions=np.asarray(opened.positions),
             place_routes=np.asarray(opened.routes),
         )
-    else:
+    elif params.truth.tolerance_m is not None:
         notes.append("without --map, only places that were matched are known: recall counts queries near one of these")
     found = replace(found, truth=_truth(found, params))
-    values = numbers(found)
+    values = numbers(found) | ({} if place_map is not None else {"places": None})
     source = "" if found.truth is None else found.truth.source
     return {
         "matches": str(path),
@@ -79,7 +79,7 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
 
 
 def _truth(found: Located, params: LocateParams) -> Truth:
-    known, where = params.truth, params.where
+    known, where = params.truth, params.frames.where
     if known.same_index:
         return same_index(found.reference, found.place_routes, known.tolerance)
     if known.pairs is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,14 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, quoted
-from insectnav.experiments.place_maps.choices import GivenOptions, chosen_params
 from insectnav.experiments.place_maps.compare import compare
 from insectnav.experiments.place_maps.describe import OF_PICTURES, ROTATED, DescribeParams
 from insectnav.experiments.place_maps.describing import Described, Remarks, described, settled, stacked
-from insectnav.experiments.place_maps.frames import Thinning, open_frames, thinned
 from insectnav.experiments.place_maps.located import Located
+from insectnav.experiments.place_maps.opening import FrameParams, opened
 from insectnav.experiments.place_maps.truth import Truth, by_position, from_pairs, read_pairs, same_index
-from insectnav.experiments.place_maps.whereabouts import Whereabouts, placed
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.seqslam import SeqSlamParams
 
@@ -73,26 +71,22 @@ class TruthParams:
 
 @dataclass(frozen=True, kw_only=True)
 class LocateParams:
-    """How queries are located; the fields of `BuildParams`, and how they are matched and judged.
+    """How queries are located, matched and judged.
 
     Parameters
     ----------
+    frames : which frames are taken
     seqslam : how sequences are searched
     search : "auto", "exact" or "index", as of `PlaceMap.locate`
     threshold : matches of this score or less are kept; None keeps all
     truth : TruthParams
     """
 
-    given: GivenOptions = field(default_factory=GivenOptions)
-    thinning: Thinning = field(default_factory=Thinning)
-    where: Whereabouts = field(default_factory=Whereabouts)
-    topic: str | None = None
+    frames: FrameParams = field(default_factory=FrameParams)
     seqslam: SeqSlamParams = field(default_factory=SeqSlamParams)
     search: str = "auto"
     threshold: float | None = None
     truth: TruthParams = TruthParams()
-    pictures: bool = True
-    workers: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -140,25 +134,39 @@ def locate(
     about = place_map.about
     if not place_map.n_places:
         raise InputError(f"the map {quoted(place_map.path, 200)} is empty, expected places in it")
-    source = open_frames(places, step=params.thinning.step or 1, topic=params.topic)
-    describe = chosen_params(params.given, about, source.is_vectors)
-    placed_source = placed(source, params.where, about.origin_deg)
-    _check_origins(placed_source.origin_deg, about, params.truth)
-    left_out: list[str] = []
-    thinning = (
-        replace(params.thinning, step=(params.thinning.step or 1) // source.step)
-        if source.step > 1
-        else params.thinning
-    )
-    frames = thinned(placed_source.source.frames, thinning, left_out)
-    describe, frames, notes = settled(frames, describe)
+    given = opened(places, params.frames, about)
+    _check_origins(given.origin_deg, about, params.truth)
+    describe, frames, notes = settled(given.frames, given.describe)
     if describe.descriptor == ROTATED and not describe.is_vectors:
         params = replace(params, seqslam=replace(params.seqslam, sequence_length=1))
         notes = [*notes, "rotations are searched frame by frame, without sequences"]
-    remarks, pictures = Remarks(), {}
+    remarks = Remarks()
+    queries, pictures = _collected(described(frames, describe, params.frames.pictures, params.frames.workers),
+                                   remarks, progress)  # fmt: skip
+    features = stacked([one.features for one in queries], _n_features(queries), "")
+    middle = time.perf_counter()
+    found = _matched(place_map, queries, features, describe, params)
+    found = replace(found, truth=_truth(found, place_map, params))
+    finished = time.perf_counter()
+    return Search(
+        found=found,
+        features=features,
+        pictures=pictures,
+        describe=describe,
+        notes=[*given.notes, *notes, *remarks.sentences(""), *_warnings(found, describe.is_vectors, about)],
+        seqslam=params.seqslam,
+        seconds={"describing": middle - started, "matching": finished - middle},
+    )
+
+
+def _collected(
+    frames: Iterator[Described], remarks: Remarks, progress: Callable[[int], Any] | None
+) -> tuple[list[Described], dict[int, bytes]]:
+    """All queries, and small pictures of them by number, as many as there is memory for."""
     queries: list[Described] = []
+    pictures: dict[int, bytes] = {}
     n_bytes = 0
-    for one in described(frames, describe, params.pictures, params.workers):
+    for one in frames:
         remarks.add(one)
         if one.picture and n_bytes < MOST_BYTES_OF_PICTURES:
             pictures[len(queries)] = one.picture
@@ -167,27 +175,7 @@ def locate(
         if progress is not None:
             progress(1)
     remarks.check_any()
-    features = stacked([one.features for one in queries], _n_features(queries), "")
-    middle = time.perf_counter()
-    found = _matched(place_map, queries, features, describe, params)
-    found = replace(found, truth=_truth(found, place_map, params))
-    finished = time.perf_counter()
-    lost = [f"{len(left_out)} frames without a known time or position are left out"] if left_out else []
-    return Search(
-        found=found,
-        features=features,
-        pictures=pictures,
-        describe=describe,
-        notes=[
-            *placed_source.notes,
-            *notes,
-            *lost,
-            *remarks.sentences(""),
-            *_warnings(found, source.is_vectors, about),
-        ],
-        seqslam=params.seqslam,
-        seconds={"describing": middle - started, "matching": finished - middle},
-    )
+    return queries, pictures
 
 
 def _matched(
@@ -198,7 +186,7 @@ def _matched(
     params: LocateParams,
 ) -> Located:
     """Matches with names and positions."""
-    compared = compare(place_map, features, describe, params.seqslam, params.search, params.workers)
+    compared = compare(place_map, features, describe, params.seqslam, params.search, params.frames.workers)
     matches = compared.matches
     positions = np.stack([one.frame.position for one in queries])
     return Located(
@@ -227,10 +215,10 @@ def _truth(found: Located, place_map: PlaceMap, params: LocateParams) -> Truth |
         source = f"pairs of {os.path.basename(known.pairs)} (--truth)"
         return from_pairs(found.reference, pairs, known.tolerance, source, place_map.n_places)
     if known.tolerance_m is not None:
-        if params.where.positions is None:
+        if params.frames.where.positions is None:
             raise InputError("--tolerance-m is given without --positions, expected a file of where the queries were")
         query = np.full((len(found.names), 3), np.nan) if found.query_positions is None else found.query_positions
-        source = f"positions of {os.path.basename(params.where.positions)} (--positions), over the ground"
+        source = f"positions of {os.path.basename(params.frames.where.positions)} (--positions), over the ground"
         return by_position(found.reference, query, found.place_positions, known.tolerance_m, source)
     return None
 

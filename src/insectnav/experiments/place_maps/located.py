@@ -165,8 +165,11 @@ def numbers(found: Located) -> dict[str, Any]:
     if truth is None:
         return result
     judged = truth.is_known & found.is_matched
+    kept = truth.is_known & found.is_kept
     result |= {
         "judged": int(judged.sum()),
+        "kept_judged": int(kept.sum()),
+        "kept_right": int((truth.is_right & kept).sum()),
         "can_be_matched": int(found.can_be_matched.sum()),
         "right": int((truth.is_right & judged).sum()),
         "tolerance": truth.tolerance,
@@ -180,9 +183,8 @@ def numbers(found: Located) -> dict[str, Any]:
             "threshold_of_full_precision": _last_threshold(curve),
             "area": area_under_curve(curve),
         }
-    kept = truth.is_known & found.is_kept
     if found.threshold is not None:
-        n_right, n_able = int((truth.is_right & kept).sum()), int(found.can_be_matched.sum())
+        n_right, n_able = result["kept_right"], result["can_be_matched"]
         result |= {
             "threshold": found.threshold,
             "precision_kept": n_right / int(kept.sum()) if kept.any() else None,

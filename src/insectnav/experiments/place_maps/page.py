@@ -181,10 +181,13 @@ def _settings(page: PlacePage) -> str:
 def lead_sentence(numbers: Mapping[str, Any]) -> str:
     """What came out, for the head of a page and the end of a command."""
     queries, kept = numbers["queries"], numbers["kept"]
-    sentence = f"{kept} of {queries} frames were found in a map of {numbers['places']} places"
+    where = "" if numbers["places"] is None else f" in a map of {numbers['places']} places"
+    sentence = f"{kept} of {queries} frames were found{where}"
     if "right" not in numbers:
         return sentence + "."
-    if numbers["judged"] == 0:
+    judged, right = numbers["kept_judged"], numbers["kept_right"]
+    if judged == 0:
         return sentence + "; none of these can be judged."
     within = f"within {quantity(numbers['tolerance'], numbers['unit'])}"
-    return sentence + f"; of all {numbers['judged']} matches that can be judged {numbers['right']} are right, {within}."
+    of_these = "of these" if judged == kept else f"of the {judged} that can be judged"
+    return sentence + f"; {of_these} {right} are right, {within}."

@@ -57,6 +57,8 @@ SAID = {  # of the numbers: what they are called, how they are written, what the
         "queries whose place is in the map and that have a whole sequence about them",
     ),
     "right": ("Right", "d", "matches within the tolerance"),
+    "kept_judged": ("Kept and judged", "d", "matches kept of which it is known whether they are right"),
+    "kept_right": ("Kept and right", "d", "of these"),
     "precision_of_all": ("Precision of all matches", ".1%", "right matches of all that are judged, at full recall"),
     "recall_of_all": ("Recall of all matches", ".1%", "right matches of all queries that can be matched"),
     "recall_at_full_precision": ("Recall at 100 % precision", ".1%", "of the best matches before the first wrong one"),
@@ -96,7 +98,7 @@ def summary(search: Search, params: LocateParams, place_map: PlaceMap) -> dict[s
             **vars(search.seqslam),
             "search": params.search,
             "threshold": params.threshold,
-            "taken": params.thinning.in_words,
+            "taken": params.frames.thinning.in_words,
         },
         "seconds": dict(search.seconds),
         "notes": list(search.notes),
@@ -339,7 +341,7 @@ def _settings(search: Search, params: LocateParams, place_map: PlaceMap) -> list
     rows = [
         ("Map", f"{place_map.path}, {place_map.n_places} places on {int(found.place_routes.max()) + 1} routes"),
         *search.describe.in_words(),
-        ("Frames taken", params.thinning.in_words),
+        ("Frames taken", params.frames.thinning.in_words),
         (
             "Matched by",
             f"SeqSLAM (Milford & Wyeth 2012): sequences of {seqslam.n_steps + 1} frames, {seqslam.slowest:g} to "
