@@ -120,8 +120,10 @@ def join_pieces(found: Sequence[PieceLines], params: SeqSlamParams) -> Lines:
 
 def joined_blocks(blocks: Sequence[Lines]) -> Lines:
     """Lines of all sequences from those of one block of them after the other."""
-    arrays = [np.concatenate(parts) for parts in list(zip(*blocks, strict=True))[:-1]]
-    return Lines(*arrays, min(lines.least for lines in blocks))
+    start, speed, lowest, second, least = zip(*blocks, strict=True)
+    return Lines(
+        np.concatenate(start), np.concatenate(speed), np.concatenate(lowest), np.concatenate(second), min(least)
+    )
 
 
 def _outside(lines: PieceLines, start: Integers, route: Integers, half: int) -> Reals:

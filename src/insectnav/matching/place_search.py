@@ -93,8 +93,9 @@ def lines_of_pieces(
 
 def _one_after_the_other(blocks: Sequence[PieceLines]) -> PieceLines:
     """What one piece knows of all sequences, from blocks of them."""
-    arrays = [np.concatenate(parts) for parts in list(zip(*blocks, strict=True))[1:-1]]
-    return PieceLines(blocks[0].piece, *arrays, min(lines.least for lines in blocks))
+    piece, start, speed, sums, left, right, least = zip(*blocks, strict=True)
+    start, speed, sums, left, right = (np.concatenate(parts) for parts in (start, speed, sums, left, right))
+    return PieceLines(piece[0], start, speed, sums, left, right, min(least))
 
 
 def matches_of_lines(lines: Lines, is_seen: NDArray[np.bool_], params: SeqSlamParams) -> Matches:
@@ -124,13 +125,13 @@ def known_frames(landscape: Landscape, queries: NDArray[Any]) -> NDArray[np.bool
     return ~checked_vectors("queries", queries)[1] & is_any_known
 
 
-def checked_queries(landscape: Landscape, descriptors: ArrayLike, params: SeqSlamParams) -> NDArray[Any]:
+def checked_queries(landscape: Landscape, descriptors: ArrayLike) -> NDArray[Any]:
     """Queries as an array (query, feature).
 
     Raises
     ------
     InputError
-        If they are not of the kind of the places, or fewer than a sequence is long.
+        If they are not of the kind of the places.
     """
     queries, places = np.asarray(descriptors), landscape.places
     checked_vectors("queries", queries)
@@ -139,9 +140,14 @@ def checked_queries(landscape: Landscape, descriptors: ArrayLike, params: SeqSla
             f"queries have {queries.shape[1]} features, expected {places.n_features} as the places: "
             "the same descriptor?"
         )
+    landscape.references(slice(0, 1)).differences(queries[:1])  # which refuses numbers of another type
+    return queries
+
+
+def check_length(queries: NDArray[Any], params: SeqSlamParams) -> None:
+    """Refuse fewer queries than a sequence is long."""
     if len(queries) < params.n_steps + 1:
         raise InputError(
             f"there are {len(queries)} queries, expected at least {params.n_steps + 1} for sequences of "
             f"{params.sequence_length} steps: fewer frames than a sequence?"
         )
-    return queries

@@ -1,8 +1,6 @@
 """Maps of places that stay on disk: made, added to, merged, and searched for where a sequence of frames was taken."""
 
 import os
-import secrets
-import shutil
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,15 +12,20 @@ from numpy.typing import ArrayLike, NDArray
 from insectnav.checks import InputError, check_choice
 from insectnav.matching.place_about import MapAbout
 from insectnav.matching.place_arrays import PlaceArrays, joined, new_places, no_places, read_places
+from insectnav.matching.place_freeze import frozen
+from insectnav.matching.place_index import METRICS_WITH_INDEX, PlaceIndex, read_index
+from insectnav.matching.place_lookup import indexed_matches
 from insectnav.matching.place_record import MapRecord, read_record, write_record
-from insectnav.matching.place_search import Landscape, checked_queries, exact_matches, landscape_of
+from insectnav.matching.place_search import Landscape, check_length, checked_queries, exact_matches, landscape_of
 from insectnav.matching.place_segments import SEGMENTS, Segments, add_segment, read_segments
-from insectnav.matching.place_store import only_writer, remove_partial, shown, whole_folder, write_arrays, written
+from insectnav.matching.place_store import DamagedError, only_writer, shown, whole_folder, written
+from insectnav.matching.place_stream import MapStream, begin_map_stream
 from insectnav.matching.seqslam import Matches, SeqSlamParams
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
 SEARCHES = ("auto", "exact", "index")
+EXACT_UP_TO = 50_000  # [place] to which "auto" compares with all, which then takes about as long; benchmarks/places.py
 
 
 class PlaceMap:
@@ -39,6 +42,7 @@ class PlaceMap:
         self._segments: Segments = {}
         self._whole: PlaceArrays | None = None
         self._compared: Landscape | None = None
+        self._searched: PlaceIndex | None = None
         self._read()
 
     def __repr__(self) -> str:
@@ -88,12 +92,12 @@ class PlaceMap:
 
     def _read(self) -> None:
         self._record = read_record(self.path)
-        self.about, frozen = self._record.about, self._record.places
-        self._whole, self._compared = None, None
-        if frozen is None:
+        self.about, whole = self._record.about, self._record.places
+        self._whole, self._compared, self._searched = None, None, None
+        if whole is None:
             self._segments = read_segments(self.path, self.about, self._segments)
         else:
-            self._segments = {frozen: read_places(self.path / frozen, self.about)}
+            self._segments = {whole: read_places(self.path / whole, self.about)}
 
     @property
     def places(self) -> PlaceArrays:
@@ -174,25 +178,24 @@ class PlaceMap:
             self._segments = add_segment(self.path, self.about, self._segments, _following(places, last, new_route))
             self._whole, self._compared = None, None
 
-    def freeze(self) -> None:
-        """Put all places side by side for good; nothing can be added afterwards.
+    def freeze(self, *, index: bool = True) -> None:
+        """Put all places side by side for good, with an index for large maps; nothing can be added afterwards.
+
+        Parameters
+        ----------
+        index : whether to make one; of a frozen map it is made anew. There is none for bits
 
         Raises
         ------
         InputError
-            If the map is empty, frozen or written by another, or the disk is full.
+            If the map is empty, frozen or written by another, the disk is full, or FAISS is not installed.
         """
-        with only_writer(self.path), written(self.path):
+        with only_writer(self.path):
             self._read()
-            if self.is_frozen or not self.n_places:
-                state = "is frozen" if self.is_frozen else "is empty"
-                raise InputError(f"the map {shown(self.path)} {state}, expected one with places that can be added to")
-            remove_partial(self.path)
-            name = f"places-{secrets.token_hex(4)}"
-            with whole_folder(self.path / name) as temporary:
-                write_arrays(temporary, self.places.as_arrays())
-            write_record(self.path, replace(self._record, places=name))
-            shutil.rmtree(self.path / SEGMENTS, ignore_errors=True)
+            if not self.n_places or (self.is_frozen and not index):
+                state = "frozen" if self.is_frozen else "empty"
+                raise InputError(f"the map {shown(self.path)} is {state}, expected one with places, not yet frozen")
+            frozen(self.path, self._record, self.places, index)
             self._read()
 
     def locate(
@@ -232,10 +235,49 @@ class PlaceMap:
         if about is not None:
             self.about.check_same(about, "the queries")
         landscape = self._landscape()
-        queries = checked_queries(landscape, descriptors, params)
-        if search == "index" or cluster is not None:
+        queries = checked_queries(landscape, descriptors)
+        check_length(queries, params)
+        if cluster is not None:
             raise NotImplementedError
+        if (found := self._index(search)) is not None:
+            return indexed_matches(landscape, found, queries, params, workers)
         return exact_matches(landscape, queries, params, workers)
+
+    def stream(self, params: SeqSlamParams | None = None, *, search: str = "auto") -> MapStream:
+        """A search on the move before its first frame; carried on by its `locate_next`.
+
+        Parameters
+        ----------
+        params : SeqSlamParams
+        search : as of `locate`
+
+        Raises
+        ------
+        InputError
+            If the map is empty, or has no index to search with.
+        """
+        check_choice("search", search, SEARCHES)
+        return begin_map_stream(self._landscape(), params or SeqSlamParams(), self._index(search))
+
+    def _index(self, search: str) -> PlaceIndex | None:
+        """The index, if it is to be used."""
+        record = self._record.index
+        if search == "exact" or (search == "auto" and (record is None or self.n_places <= EXACT_UP_TO)):
+            return None
+        if record is None:
+            why = "freeze() makes it" if self.about.metric in METRICS_WITH_INDEX else "there is none for bits"
+            raise InputError(f"the map {shown(self.path)} has no index, {why}: search='exact' needs none")
+        if self._searched is None:
+            folder, places = self.path / record.folder, self.places
+            try:
+                arrays = read_index(folder, record.digest, record.sizes, self.n_places, places.n_features)
+            except (DamagedError, OSError) as error:
+                raise DamagedError(
+                    f"the index of the map {shown(self.path)} is damaged ({error}): search='exact' needs none, and "
+                    "freeze() makes it anew"
+                ) from None
+            self._searched = PlaceIndex(arrays, self.about.metric, record.sizes)
+        return self._searched
 
     def _landscape(self) -> Landscape:
         if self._compared is None:

@@ -117,7 +117,7 @@ def locate_next(stream: Stream, descriptor: ArrayLike | None, time: float | None
         stream,
         contrast=np.concatenate([stream.contrast[1:], contrast]),
         is_seen=np.append(stream.is_seen[1:], is_seen),
-        times=np.append(stream.times[1:], _later(stream, time)),
+        times=np.append(stream.times[1:], later(stream.n_frames, float(stream.times[-1]), time)),
         n_frames=stream.n_frames + 1,
     )
     query, latency = stream.n_frames - half, float(after.times[-1] - after.times[half])
@@ -141,19 +141,30 @@ def _column(references: References, descriptor: ArrayLike | None) -> Reals:
     return np.ascontiguousarray(references.differences(vector[None], workers=1).T)
 
 
-def _later(stream: Stream, time: float | None) -> float:
-    """The time of a frame, refused if it does not follow that of the frame before."""
-    before = stream.times[-1]
+def later(frame: int, before: float, time: float | None) -> float:
+    """The time of a frame [s], NaN if frames come without; refused if it does not follow that of the frame before.
+
+    Parameters
+    ----------
+    frame : its number
+    before : when the frame before it was taken [s], NaN without times
+    time : when it was taken [s]
+
+    Raises
+    ------
+    InputError
+        If it is not later, or only one of the two has a time.
+    """
     if time is None:
         if np.isfinite(before):
-            raise InputError(f"frame {stream.n_frames} has no time, expected one as the frame before has")
+            raise InputError(f"frame {frame} has no time, expected one as the frame before has")
         return np.nan
     check_finite("time", time)
-    if stream.n_frames and not np.isfinite(before):
-        raise InputError(f"frame {stream.n_frames} has a time, expected none as the frame before has none")
-    if stream.n_frames and time <= before:
+    if frame and not np.isfinite(before):
+        raise InputError(f"frame {frame} has a time, expected none as the frame before has none")
+    if frame and time <= before:
         raise InputError(
-            f"frame {stream.n_frames} was taken at {time:g} s, expected later than the one before at {before:g} s: "
+            f"frame {frame} was taken at {time:g} s, expected later than the one before at {before:g} s: "
             "out of order, or twice the same?"
         )
     return float(time)
