@@ -84,10 +84,11 @@ def _scores(numbers: Mapping[str, Any]) -> list[str]:
             + ("" if recall is None else f", recall {recall:.1%}")
         )
     if "error_median" in numbers:
-        unit = numbers["unit"]
+        from insectnav.experiments.place_maps.truth import quantity
+
+        errors = {name: quantity(numbers[f"error_{name}"], numbers["unit"]) for name in ("median", "90_percent", "largest")}
         lines.append(
-            f"off by {numbers['error_median']:.3g} {unit} in the median, {numbers['error_90_percent']:.3g} {unit} in "
-            f"nine of ten, {numbers['error_largest']:.3g} {unit} at most"
+            f"off by {errors['median']} in the median, {errors['90_percent']} in nine of ten, {errors['largest']} at most"
         )
     return lines
 

@@ -74,7 +74,7 @@ class PlaceArrays:
     def as_arrays(self) -> Arrays:
         """Arrays by name, with their dimensions."""
         values = {name: getattr(self, name) for name in DIMENSIONS}
-        descriptors = ("bits", ("place", "byte")) if self.is_bits else ("descriptors", ("place", "feature"))
+        descriptors = ("bits", ("place", "eight")) if self.is_bits else ("descriptors", ("place", "feature"))
         return {descriptors[0]: (descriptors[1], self.stored)} | {
             name: (DIMENSIONS[name], array) for name, array in values.items()
         }
@@ -193,7 +193,7 @@ def read_places(folder: Path, about: MapAbout) -> PlaceArrays:
         If they are not as they were written.
     """
     is_bits = about.metric == "hamming"
-    name, dimensions = ("bits", ("place", "byte")) if is_bits else ("descriptors", ("place", "feature"))
+    name, dimensions = ("bits", ("place", "eight")) if is_bits else ("descriptors", ("place", "feature"))
     arrays = read_arrays(folder, {name: dimensions, **DIMENSIONS})
     stored = arrays.pop(name)
     places = PlaceArrays(stored=stored, n_features=about.n_features, is_bits=is_bits, **arrays)

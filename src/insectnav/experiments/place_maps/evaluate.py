@@ -40,7 +40,7 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
     Parameters
     ----------
     path : of a table of `insectnav map locate`
-    params : of which the truth, the threshold, the length of sequences and the positions of the queries are used
+    params : of which the truth, the threshold and the positions of the queries are used
     place_map : folder of the map; None to know of its places only what the table says
 
     Raises
@@ -48,7 +48,7 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
     InputError
         If it is no such table, or nothing is known of the truth.
     """
-    found = replace(read_matches(path), threshold=params.threshold, half_sequence=params.seqslam.n_steps // 2)
+    found = replace(read_matches(path), threshold=params.threshold)
     notes = []
     if place_map is not None:
         opened = PlaceMap.open(place_map)
@@ -65,7 +65,7 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
         )
     elif params.truth.tolerance_m is not None:
         notes.append("without --map, only places that were matched are known: recall counts queries near one of these")
-    found = replace(found, truth=_truth(found, params))
+    found = replace(found, truth=_truth(found, params, place_map is not None))
     values = numbers(found) | ({} if place_map is not None else {"places": None})
     source = "" if found.truth is None else found.truth.source
     return {
@@ -78,10 +78,12 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
     }
 
 
-def _truth(found: Located, params: LocateParams) -> Truth:
+def _truth(found: Located, params: LocateParams, is_whole_map: bool) -> Truth:
     known, where = params.truth, params.frames.where
     if known.same_index:
-        return same_index(found.reference, found.place_routes, known.tolerance)
+        if not is_whole_map and found.place_routes.any():
+            raise InputError("the matches lie on several routes, expected --map to know where each begins")
+        return same_index(found.reference, found.place_routes, known.tolerance, is_whole_map=is_whole_map)
     if known.pairs is not None:
         pairs = read_pairs(known.pairs, found.names, found.place_names)
         source = f"pairs of {Path(known.pairs).name} (--truth)"

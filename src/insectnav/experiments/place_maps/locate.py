@@ -153,7 +153,7 @@ def locate(
         features=features,
         pictures=pictures,
         describe=describe,
-        notes=[*given.notes, *notes, *remarks.sentences(""), *_warnings(found, describe.is_vectors, about)],
+        notes=[*given.notes, *notes, *remarks.sentences(""), *_warnings(found, describe.is_vectors, about, params.truth.same_index)],
         seqslam=params.seqslam,
         seconds={"describing": middle - started, "matching": finished - middle},
     )
@@ -232,7 +232,7 @@ def _check_origins(origin_deg: tuple[float, float] | None, about: MapAbout, trut
         )
 
 
-def _warnings(found: Located, is_vectors: bool, about: MapAbout) -> list[str]:
+def _warnings(found: Located, is_vectors: bool, about: MapAbout, is_same_index: bool) -> list[str]:
     """What a user may not have meant."""
     said = []
     if about.camera.startswith("panorama") and about.descriptor in OF_PICTURES and not is_vectors:
@@ -242,6 +242,8 @@ def _warnings(found: Located, is_vectors: bool, about: MapAbout) -> list[str]:
         )
     if is_vectors and about.settings.get("sky") is not None:
         said.append(f"the features are taken to be described as the map's, by {about.descriptor}: nothing tells")
+    if is_same_index and (slip := _other_index(found)):
+        said.append(slip)
     half = found.half_sequence
     if half:
         said.append(f"the first and last {half} queries have no match, since a sequence does not reach beyond them")
@@ -251,6 +253,20 @@ def _warnings(found: Located, is_vectors: bool, about: MapAbout) -> list[str]:
             f"{int(inner.sum())} more queries have no match: too many frames missing, or nothing tells places apart"
         )
     return said
+
+
+def _other_index(found: Located) -> str:
+    """That names of queries and places say something else than their numbers, if they do."""
+    places = {name: k for k, name in enumerate(found.place_names) if name}
+    pairs = [(k, places[name]) for k, name in enumerate(found.names) if name in places]
+    off = [(k, place) for k, place in pairs if k != place]
+    if not pairs or len(off) <= len(pairs) / 2 or found.place_routes.any():
+        return ""
+    query, place = off[0]
+    return (
+        f"query {query} and place {place} are both called {quoted(found.names[query])}, but --same-index takes query "
+        f"{query} for place {query}: thinned otherwise than the map?"
+    )
 
 
 def _n_features(queries: Sequence[Described]) -> int:

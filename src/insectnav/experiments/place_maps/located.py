@@ -39,6 +39,7 @@ MATCH_COLUMNS = (
     "y",
     "z",
 )
+READ_COLUMNS = ("query", "reference", "score", "speed", "time_s", "has_sequence", *"xyz")
 ANGLE_COLUMNS = ("heading_deg", "pitch_deg", "roll_deg")  # of the query in the frame of its match
 
 
@@ -118,7 +119,7 @@ class Located:
 
     def rows(self) -> list[dict[str, Any]]:
         """One for each query, for a table."""
-        truth, kept, place = self.truth, self.is_kept, self.positions
+        truth, kept, place, whole = self.truth, self.is_kept, self.positions, self.has_sequence
         rows = []
         for k, reference in enumerate(self.reference.tolist()):
             row: dict[str, Any] = {
@@ -131,6 +132,7 @@ class Located:
                 "score": float(self.score[k]),
                 "speed": float(self.speed[k]),
                 "is_kept": int(kept[k]),
+                "has_sequence": int(whole[k]),
                 **{axis: float(place[k, n]) for n, axis in enumerate("xyz")},
             }
             if self.angles_deg is not None:
@@ -219,7 +221,7 @@ def read_matches(path: str | os.PathLike[str]) -> Located:
             f"{shown} lacks the column{'s' if len(missing) > 1 else ''} {', '.join(missing)}, expected a table of "
             "matches as `insectnav map locate` writes it"
         )
-    values = {name: _column(rows, name, shown) for name in ("query", "reference", "score", "speed", "time_s", *"xyz")}
+    values = {name: _column(rows, name, shown) for name in READ_COLUMNS}
     if not np.array_equal(values["query"], np.arange(len(rows))):
         raise InputError(
             f"{shown} does not number its queries 0, 1, 2, …, expected all of them in order: sorted or cut?"
@@ -248,6 +250,7 @@ def _without_map(rows: list[dict[str, str]], reference: Integers, values: dict[s
         place_names=names,
         place_positions=positions,
         place_routes=routes,
+        half_sequence=int(np.argmax(values["has_sequence"] != 0)),  # all of them where the table does not say
     )
 
 

@@ -58,7 +58,7 @@ def quantity(value: float, unit: str) -> str:
     return f"{value:.3g} {'frame' if unit == 'frames' and value == 1.0 else unit}"
 
 
-def same_index(matched: Integers, routes: Integers, tolerance: float) -> Truth:
+def same_index(matched: Integers, routes: Integers, tolerance: float, *, is_whole_map: bool = True) -> Truth:
     """Truth of two recordings frame by frame in step: query k was taken at place k of each route.
 
     Parameters
@@ -66,13 +66,14 @@ def same_index(matched: Integers, routes: Integers, tolerance: float) -> Truth:
     matched : (query,) number of the place of each, −1 where there is none
     routes : (place,) number of the route of each place
     tolerance : [frame]
+    is_whole_map : whether these are all places; if not, every query is taken to have one
     """
     check_range("tolerance-frames", tolerance, 0.0, np.inf)
     firsts = {int(route): int(np.argmax(routes == route)) for route in np.unique(routes)}
     within = np.arange(len(routes)) - np.array([firsts[int(route)] for route in routes], np.int64)
     query = np.arange(len(matched))
     error = np.where(matched >= 0, np.abs(within[np.maximum(matched, 0)] - query), np.nan)
-    is_in_map = query <= within.max()
+    is_in_map = (query <= within.max(initial=-1)) | (not is_whole_map)
     reference = np.where(is_in_map, query, np.nan)
     if len(firsts) > 1:  # in the route of the match
         own = np.array([firsts[int(routes[place])] for place in np.maximum(matched, 0)])
