@@ -86,9 +86,12 @@ def _scores(numbers: Mapping[str, Any]) -> list[str]:
     if "error_median" in numbers:
         from insectnav.experiments.place_maps.truth import quantity
 
-        errors = {name: quantity(numbers[f"error_{name}"], numbers["unit"]) for name in ("median", "90_percent", "largest")}
+        errors = {
+            name: quantity(numbers[f"error_{name}"], numbers["unit"]) for name in ("median", "90_percent", "largest")
+        }
         lines.append(
-            f"off by {errors['median']} in the median, {errors['90_percent']} in nine of ten, {errors['largest']} at most"
+            f"off by {errors['median']} in the median, {errors['90_percent']} in nine of ten, {errors['largest']} at "
+            "most"
         )
     return lines
 

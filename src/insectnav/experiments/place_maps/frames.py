@@ -22,7 +22,11 @@ Reals = NDArray[np.floating[Any]]
 ARRAYS = (".npy", ".zarr")
 BAGS = (".bag", ".mcap", ".db3")
 MAX_VECTORS = 100_000_000  # of an array
+MAX_FEATURES = 1_000_000  # of a vector
 VECTORS_AT_ONCE = 256
+SAFE_CODECS = frozenset(  # of zarr; others may run what is in a file, as pickle does
+    {"bytes", "transpose", "sharding_indexed", "crc32c", "blosc", "zstd", "gzip", "zlib", "lz4", "bz2", "lzma"}
+)
 MAX_FILES = 10_000_000  # of a pattern
 NOWHERE: Reals = np.full(3, np.nan)
 
@@ -239,16 +243,20 @@ def _of_array(path: Path) -> FrameSource:
             f"{quoted(path.name, 200)} holds an array of shape {tuple(array.shape)} and type {array.dtype}, expected "
             "real numbers (frame, feature): one descriptor a row"
         )
-    if len(array) > MAX_VECTORS:
-        raise InputError(f"{quoted(path.name, 200)} holds {len(array)} vectors, expected at most {MAX_VECTORS:.0e}")
+    n_vectors = int(array.shape[0])
+    if n_vectors > MAX_VECTORS or array.shape[1] > MAX_FEATURES:
+        raise InputError(
+            f"{quoted(path.name, 200)} holds {n_vectors} vectors of {array.shape[1]} features, expected at most "
+            f"{MAX_VECTORS:.0e} of {MAX_FEATURES:.0e}"
+        )
     stem = path.stem
 
     def frames() -> Iterator[Frame]:
-        for first in range(0, len(array), VECTORS_AT_ONCE):  # a chunk of a zarr array is not read for each of its rows
+        for first in range(0, n_vectors, VECTORS_AT_ONCE):  # a chunk of a zarr array is not read for each of its rows
             for k, vector in enumerate(np.asarray(array[first : first + VECTORS_AT_ONCE])):
                 yield Frame(name=f"{stem}_{first + k:06d}", number=first + k, read=partial(_given, vector))
 
-    return FrameSource(frames=frames(), total=len(array), kind="array")
+    return FrameSource(frames=frames(), total=n_vectors, kind="array")
 
 
 def _open_array(path: Path) -> Any:
@@ -263,14 +271,21 @@ def _open_array(path: Path) -> Any:
         raise InputError(f"{name} does not exist, expected an array of features") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise InputError(f"{name} cannot be read as an array ({_first_line(error)}): damaged, or of objects?") from None
-    if isinstance(opened, zarr.Array):
-        return opened
-    arrays = [one for _, one in opened.arrays() if one.ndim == 2]
+    arrays = [opened] if isinstance(opened, zarr.Array) else [one for _, one in opened.arrays() if one.ndim == 2]
     if len(arrays) != 1:
         raise InputError(
             f"{name} holds {len(arrays)} arrays (frame, feature), expected one: name it, as in FILE.zarr/NAME"
         )
+    if unsafe := _codecs(arrays[0]) - SAFE_CODECS:
+        raise InputError(f"{name} is packed by {quoted(min(unsafe))}, expected one of {', '.join(sorted(SAFE_CODECS))}")
     return arrays[0]
+
+
+def _codecs(array: Any) -> set[str]:
+    """Names of what packs a zarr array, of format 2 or 3."""
+    about = array.metadata.to_dict()
+    parts = [*(about.get("codecs") or ()), about.get("compressor"), *(about.get("filters") or ())]
+    return {str(part.get("name") or part.get("id")) for part in parts if part}
 
 
 def _first_line(error: Exception) -> str:

@@ -147,13 +147,19 @@ def locate(
     middle = time.perf_counter()
     found = _matched(place_map, queries, features, describe, params)
     found = replace(found, truth=_truth(found, place_map, params))
+    said = _warnings(found, describe.is_vectors, about, params.truth.same_index)
     finished = time.perf_counter()
     return Search(
         found=found,
         features=features,
         pictures=pictures,
         describe=describe,
-        notes=[*given.notes, *notes, *remarks.sentences(""), *_warnings(found, describe.is_vectors, about, params.truth.same_index)],
+        notes=[
+            *given.notes,
+            *notes,
+            *remarks.sentences(""),
+            *_warnings(found, describe.is_vectors, about, params.truth.same_index),
+        ],
         seqslam=params.seqslam,
         seconds={"describing": middle - started, "matching": finished - middle},
     )

@@ -75,6 +75,8 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
         raise InputError("--times and --positions want one film alone, or pictures alone, whose number is known")
     numbers = np.arange(source.total) * source.step
     times = _times(source, where, numbers)
+    if times is not None:
+        _check_forwards(times, source)
     places = None if table is None else _positions(source, where, table, times, numbers)
 
     def frames() -> Iterator[Frame]:
@@ -103,6 +105,20 @@ def _times(source: FrameSource, where: Whereabouts, numbers: NDArray[np.int64]) 
         offset_s=where.time_offset_s,
         utc_offset_h=where.utc_offset_h,
     )
+
+
+def _check_forwards(times: Reals, source: FrameSource) -> None:
+    """Refuse frames that are not in the order in which they were taken."""
+    known = np.flatnonzero(np.isfinite(times))
+    back = np.flatnonzero(np.diff(times[known]) < 0)
+    if back.size:
+        before, after = (int(known[back[0] + k]) for k in (0, 1))
+        first, second = (quoted(source.files[k].stem if source.files else f"frame {k}") for k in (before, after))
+        raise InputError(
+            f"{second} was taken {times[before] - times[after]:.3g} s before {first}, which comes ahead of it, "
+            "expected frames in the order of their times: names that do not follow the time, or the times of another "
+            "recording?"
+        )
 
 
 def _positions(
