@@ -7,7 +7,7 @@ import os
 import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import asdict, dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -21,9 +21,11 @@ from insectnav.experiments.place_maps.describing import Described, Remarks, desc
 from insectnav.experiments.place_maps.frames import Frame
 from insectnav.experiments.place_maps.opening import FrameParams, opened
 from insectnav.experiments.place_maps.thumbnails import keep_thumbnails
+from insectnav.experiments.store import locked
 from insectnav.matching.places import MapAbout, PlaceMap
 
 UNFINISHED = "unfinished.json"  # in a map while frames are being added to it
+ADDING = "adding"  # in a map, held by the one process that adds frames
 BATCH, BATCH_S = 512, 10.0  # frames, and seconds, after which they are put on disk
 MAX_BYTES = 1_000_000  # of the record of what is unfinished
 
@@ -65,48 +67,50 @@ def build(
         If no frame can be used, the map is there and `adds` is false, or it was made with other settings.
     """
     started = time.perf_counter()
-    path = Path(folder)
-    place_map = _opened(path, params.adds)
-    given = opened(places, params.frames, place_map.about if place_map else None)
-    record = _record(places, params.frames)
-    n_before, n_done = _progress_before(path, place_map, record)
-    if n_done:
-        next(islice(given.frames, n_done, n_done), None)
-    describe, frames, more = _settled(given.frames, given.describe, n_done)
-    run = _Run(
-        path=path,
-        pictures=params.frames.pictures,
-        describe=describe,
-        origin_deg=given.origin_deg,
-        record=record,
-        first=n_before,
-    )
-    remarks = Remarks()
-    ready = _told(described(frames, describe, params.frames.pictures, params.frames.workers), remarks)
-    try:
-        run.add_all(place_map, ready, n_done, progress)
-        if not n_done:
-            remarks.check_any()
-    except InputError:
-        if run.is_new:  # nothing half-written is left behind
-            shutil.rmtree(path, ignore_errors=True)
-        raise
+    path, remarks = Path(folder), Remarks()
+    place_map = _existing(path, params.adds)
+    with ExitStack() as held:
+        if place_map is not None:
+            held.enter_context(locked(path / ADDING))
+        given = opened(places, params.frames, place_map.about if place_map else None)
+        record = _record(places, params.frames)
+        n_before, n_done = _progress_before(path, place_map, record)
+        if n_done:
+            next(islice(given.frames, n_done, n_done), None)
+        describe, frames, more = _settled(given.frames, given.describe, n_done)
+        run = _Run(
+            path=path,
+            pictures=params.frames.pictures,
+            describe=describe,
+            origin_deg=given.origin_deg,
+            record=record,
+            first=n_before,
+            held=held,
+        )
+        ready = _told(described(frames, describe, params.frames.pictures, params.frames.workers), remarks)
+        try:
+            run.add_all(place_map, ready, n_done, progress)
+            if not n_done:
+                remarks.check_any()
+        except InputError:
+            if run.is_new:  # nothing half-written is left behind
+                shutil.rmtree(path, ignore_errors=True)
+            raise
+        (path / UNFINISHED).unlink(missing_ok=True)
     result = PlaceMap.open(path)
-    (path / UNFINISHED).unlink(missing_ok=True)
     if params.freezes:
         result.freeze()
     seconds = time.perf_counter() - started
     return {
         "map": str(folder),
-        "frames": remarks.n_frames,
         "frames_from_earlier_run": n_done,
-        "missing": len(remarks.missing),
-        "seconds": seconds,
-        "frames_per_second": remarks.n_frames / seconds,
-        **facts(result),
         "taken": params.frames.thinning.in_words,
         "skipped": [{"name": name, "reason": why} for name, why in given.source.skipped],
         "notes": [*given.notes, *more, *remarks.sentences(describe.used_metric)],
+        **remarks.counts,
+        "seconds": seconds,
+        "frames_per_second": remarks.n_frames / seconds,
+        **facts(result),
     }
 
 
@@ -150,6 +154,7 @@ class _Run:
     origin_deg: tuple[float, float] | None
     record: dict[str, Any]
     first: int  # place of the first frame of this route
+    held: ExitStack  # lets go of the map at the end
     is_new: bool = False
 
     def add_all(
@@ -179,6 +184,7 @@ class _Run:
     def _add(self, place_map: PlaceMap | None, batch: list[Described], n_done: int) -> PlaceMap:
         if place_map is None:
             place_map = PlaceMap.create(self.path, self._about(batch))
+            self.held.enter_context(locked(self.path / ADDING))
             self.is_new = True
         if n_done == 0:
             _write_record(self.path, self.record | {"first_place": self.first})
@@ -209,7 +215,7 @@ class _Run:
         )
 
 
-def _opened(path: Path, adds: bool) -> PlaceMap | None:
+def _existing(path: Path, adds: bool) -> PlaceMap | None:
     """The map that is there; none where a new one is to be built."""
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
         if adds:

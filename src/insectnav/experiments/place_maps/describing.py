@@ -124,6 +124,11 @@ class Remarks:
         self.n_equal += self._before is not None and np.array_equal(one.features, self._before)
         self._before = one.features
 
+    @property
+    def counts(self) -> dict[str, int]:
+        """Frames that were described, and how many of them are missing."""
+        return {"frames": self.n_frames, "missing": len(self.missing)}
+
     def check_any(self) -> None:
         """Refuse to end with nothing.
 

@@ -141,8 +141,8 @@ def locate(
         params = replace(params, seqslam=replace(params.seqslam, sequence_length=1))
         notes = [*notes, "rotations are searched frame by frame, without sequences"]
     remarks = Remarks()
-    queries, pictures = _collected(described(frames, describe, params.frames.pictures, params.frames.workers),
-                                   remarks, progress)  # fmt: skip
+    ready = described(frames, describe, params.frames.pictures, params.frames.workers)
+    queries, pictures = _collected(ready, remarks, progress)
     features = stacked([one.features for one in queries], _n_features(queries), "")
     middle = time.perf_counter()
     found = _matched(place_map, queries, features, describe, params)
@@ -154,12 +154,7 @@ def locate(
         features=features,
         pictures=pictures,
         describe=describe,
-        notes=[
-            *given.notes,
-            *notes,
-            *remarks.sentences(""),
-            *_warnings(found, describe.is_vectors, about, params.truth.same_index),
-        ],
+        notes=[*given.notes, *notes, *remarks.sentences(""), *said],
         seqslam=params.seqslam,
         seconds={"describing": middle - started, "matching": finished - middle},
     )
