@@ -3,12 +3,13 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.testing import assert_array_equal
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 from insectnav.experiments.place_maps.compare import compare
 from insectnav.experiments.place_maps.describe import DescribeParams, describe
 from insectnav.experiments.place_maps.view_cameras import view_camera
-from insectnav.matching import difference_matrix, seqslam
+from insectnav.matching import seqslam, turn_matrix
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.seqslam import SeqSlamParams
 from place_scenes import panoramas
@@ -43,28 +44,29 @@ def test_sequences_of_turned_views_are_found_on_their_own_route(tmp_path: Path):
 
 def test_no_line_leads_from_one_route_into_the_next(tmp_path: Path):
     whole = panoramas(40)
-    place_map = made(tmp_path / "m", whole[:20], whole[20:])
-    queries = features(whole[12:28])  # runs across the border, which a robot cannot
-    found = compare(place_map, queries, PARAMS, SeqSlamParams(), "auto", None)
-    routes = np.asarray(place_map.routes)
-    n_across = 0
-    for query in np.flatnonzero(found.matches.reference >= 0):
-        ends = found.matches.reference[query] + np.array([-5, 5]) * found.matches.speed[query]
-        inside = (np.round(ends) >= 0) & (np.round(ends) < 40)
-        n_across += inside.all() and routes[int(round(ends[0]))] != routes[int(round(ends[1]))]
-    alone = made(tmp_path / "alone", whole)
-    joined = compare(alone, queries, PARAMS, SeqSlamParams(), "auto", None)
+    queries = features(whole[12:28])  # run across the border, which a robot cannot
+    joined = compare(made(tmp_path / "one", whole), queries, PARAMS, SeqSlamParams(), "auto", None)
     assert_array_equal(joined.matches.reference[5:-5], np.arange(17, 23))
-    assert n_across < 6
+    parted = compare(made(tmp_path / "two", whole[:20], whole[20:]), queries, PARAMS, SeqSlamParams(), "auto", None)
+    for query in range(5, 11):
+        reference, speed = parted.matches.reference[query], parted.matches.speed[query]
+        first, last = reference - 5 * speed, reference + 5 * speed
+        assert (first > -1 and last < 20) or (first > 19 and last < 40)
 
 
-def test_without_turns_it_is_seqslam_on_normalised_views(tmp_path: Path):
-    views = panoramas(30)
-    flat = views.reshape(30, -1).astype(float)
-    normal = (flat - flat.mean(axis=1, keepdims=True)) / flat.std(axis=1, keepdims=True)
-    plain = seqslam(difference_matrix(normal, normal, "euclidean"))
-    found = compare(made(tmp_path / "m", views), features(views), PARAMS, SeqSlamParams(), "auto", None)
-    assert_array_equal(found.matches.reference, plain.reference)
+@pytest.mark.parametrize("missing", [(), (3, 4), (20,)])
+def test_on_one_route_it_is_seqslam(tmp_path: Path, missing: tuple[int, ...]):
+    views = panoramas(40)
+    known, seen = features(views), features(np.roll(views[4:34], -7, axis=2))
+    seen[list(missing)] = np.nan
+    place_map = made(tmp_path / "m", views)
+    difference = turn_matrix(known.reshape(-1, 30, 120), seen.reshape(-1, 30, 120)).difference
+    for params in (SeqSlamParams(), SeqSlamParams(sequence_length=6, slowest=0.5, fastest=2.0, unique_window=4)):
+        plain = seqslam(difference, params)
+        found = compare(place_map, seen, PARAMS, params, "auto", None).matches
+        assert_array_equal(found.reference, plain.reference)
+        assert_allclose(found.score, plain.score, rtol=1e-9)
+        assert_array_equal(found.speed, plain.speed)
 
 
 def test_missing_views_have_no_match_one_by_one(tmp_path: Path):

@@ -75,8 +75,6 @@ def build(
         given = opened(places, params.frames, place_map.about if place_map else None)
         record = _record(places, params.frames)
         n_before, n_done = _progress_before(path, place_map, record)
-        if n_done:
-            next(islice(given.frames, n_done, n_done), None)
         describe, frames, more = _settled(given.frames, given.describe, n_done)
         run = _Run(
             path=path,
@@ -100,18 +98,14 @@ def build(
     result = PlaceMap.open(path)
     if params.freezes:
         result.freeze()
+    notes = [*given.notes, *more, *remarks.sentences(describe.used_metric)]
     seconds = time.perf_counter() - started
-    return {
-        "map": str(folder),
-        "frames_from_earlier_run": n_done,
+    done = {"map": str(folder), "frames_from_earlier_run": n_done, "seconds": seconds}
+    return done | remarks.counts | {"frames_per_second": remarks.n_frames / seconds} | facts(result) | {
         "taken": params.frames.thinning.in_words,
         "skipped": [{"name": name, "reason": why} for name, why in given.source.skipped],
-        "notes": [*given.notes, *more, *remarks.sentences(describe.used_metric)],
-        **remarks.counts,
-        "seconds": seconds,
-        "frames_per_second": remarks.n_frames / seconds,
-        **facts(result),
-    }
+        "notes": notes,
+    }  # fmt: skip
 
 
 def facts(place_map: PlaceMap) -> dict[str, Any]:
@@ -272,7 +266,8 @@ def _write_record(path: Path, record: Mapping[str, Any]) -> None:
 def _settled(
     frames: Iterator[Frame], describe: DescribeParams, n_done: int
 ) -> tuple[DescribeParams, Iterator[Frame], list[str]]:
-    """As `settled`, but for a build of which all frames are done."""
+    """As `settled` of the frames that are left, of which there may be none where some are done."""
+    next(islice(frames, n_done, n_done), None)
     try:
         return settled(frames, describe)
     except InputError:

@@ -15,7 +15,7 @@ from insectnav.matching.compass import TurnMatrix, turn_matrix, turns_of_matches
 from insectnav.matching.difference import difference_matrix
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.rotation import build_rotation_index
-from insectnav.matching.seqslam import Matches, SeqSlamParams, seqslam
+from insectnav.matching.seqslam import Matches, SeqSlamParams, enhance_contrast, matches_from_lines
 
 Reals = NDArray[np.floating[Any]]
 Features = NDArray[np.float32]
@@ -121,15 +121,44 @@ def _turned(
 
 
 def _sequences(difference: Reals, routes: NDArray[np.int64], params: SeqSlamParams, workers: int | None) -> Matches:
-    """Matches of sequences, with missing places between routes, so many that no line leads from one into the next."""
-    gap = int(params.offsets[:, -1].max()) + params.contrast_window + params.unique_window
-    ends = np.flatnonzero(np.diff(routes)) + 1
-    apart = np.insert(difference, np.repeat(ends, gap), np.nan, axis=0)
-    place = np.insert(np.arange(len(routes)), np.repeat(ends, gap), -1)
-    found = seqslam(apart, params, workers=workers)
-    reference = np.where(found.reference >= 0, place[found.reference], -1)
-    is_there = reference >= 0  # what lies between routes is no place
-    return Matches(reference, *(np.where(is_there, values, np.nan) for values in (found.score, found.speed)))
+    """Matches of sequences as `seqslam` gives them, with lines that stay on one route of several."""
+    n_queries = difference.shape[1]
+    if n_queries < params.n_steps + 1:
+        raise InputError(
+            f"there are {n_queries} queries, expected at least {params.n_steps + 1} for sequences of "
+            f"{params.sequence_length} steps: fewer frames than a sequence?"
+        )
+    parts = [_lines(difference[routes == route], params, workers) for route in np.unique(routes)]
+    sums, speeds = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
+    n_seen = np.convolve(~np.isnan(difference).all(axis=0), np.ones(params.n_steps + 1, np.int64), "valid")
+    start, score = np.full(sums.shape[1], -1), np.full(sums.shape[1], np.nan)
+    number, half = np.arange(len(routes)), params.unique_window // 2
+    for sequence, column in enumerate(sums.T):
+        best, finite = int(column.argmin()), column[np.isfinite(column)]
+        second = column[(np.abs(number - best) > half) | (routes != routes[best])].min(initial=np.inf)
+        is_told = finite.size and finite.max() > column[best] and 0.0 < second < np.inf
+        if is_told and 2 * n_seen[sequence] >= params.n_steps + 1:
+            start[sequence], score[sequence] = best, column[best] / second
+    speed = np.where(start >= 0, speeds[start, np.arange(len(start))], -1)
+    return matches_from_lines((start, score, speed), params, n_queries)
+
+
+def _lines(difference: Reals, params: SeqSlamParams, workers: int | None) -> tuple[Reals, NDArray[np.int64]]:
+    """Least sum of contrasts along a line from each place at each sequence, and its speed; inf where there is none."""
+    offsets, n_sequences = params.offsets, difference.shape[1] - params.n_steps
+    sums = np.full((len(difference), n_sequences), np.inf)
+    speeds = np.zeros(sums.shape, np.int64)
+    if len(difference) <= params.n_steps:
+        return sums, speeds
+    contrast = enhance_contrast(difference, params, workers=workers)
+    for speed, steps in enumerate(offsets):
+        n_starts = len(difference) - int(steps[-1])
+        if n_starts < 1:
+            continue
+        line = sum(contrast[step : step + n_starts, k : k + n_sequences] for k, step in enumerate(steps.tolist()))
+        is_better = line < sums[:n_starts]
+        sums[:n_starts][is_better], speeds[:n_starts][is_better] = np.asarray(line)[is_better], speed
+    return sums, speeds
 
 
 def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> Matches:
