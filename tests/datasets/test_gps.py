@@ -64,6 +64,19 @@ def test_plane_agrees_with_geodesics(latitude: float, longitude: float, bearing:
     assert np.hypot(*(position[:2] - wanted)) < bound
 
 
+# Distance from the origin and greatest error [m] that docs/positions.md gives.
+@pytest.mark.parametrize(("length", "error"), [(1e4, 1e-5), (3e4, 4e-4), (1e5, 0.014), (3e5, 0.37)])
+def test_errors_are_those_on_the_page(length: float, error: float):
+    bearings = np.linspace(0, 2 * np.pi, 25, endpoint=False)
+    wanted = length * np.stack([np.sin(bearings), np.cos(bearings)], axis=-1)
+    worst = 0.0
+    for latitude in np.linspace(-85, 85, 18):
+        places = np.array([destination(latitude, 0.0, bearing, length) for bearing in bearings])
+        position, _ = local_plane(*places.T, origin_deg=(latitude, 0.0))
+        worst = max(worst, np.linalg.norm(position[:, :2] - wanted, axis=-1).max())
+    assert worst == pytest.approx(error, rel=0.1, abs=5e-6)
+
+
 def test_date_line_and_poles_are_no_seams():
     position, _ = local_plane([0, 0], [180, -180], origin_deg=(0, 179.999))
     np.testing.assert_allclose(position[:, 0], 111.31949, atol=1e-3)

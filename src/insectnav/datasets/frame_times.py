@@ -72,7 +72,7 @@ def times_of_frames(
         raise InputError("neither names nor numbers of frames are given, expected one of them")
     counted: ArrayLike = np.arange(len(names or ())) if numbers is None else numbers
     check_range("offset", offset_s, -1e11, 1e11, "s")
-    if isinstance(source, int | float):
+    if isinstance(source, int | float | np.integer | np.floating):
         times = _at_rate(counted, float(source))
     elif source in ("names", "exif"):
         if names is None:
