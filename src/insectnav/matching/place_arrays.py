@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ DIMENSIONS = {
     "positions": ("place", "axis"),
     "routes": ("place",),
     "name_ends": ("place",),
-    "name_bytes": ("byte",),
+    "name_bytes": ("name_byte",),
 }
 KINDS = ("uint8", "float32", "float64")  # of descriptors that are not bits
 
@@ -64,17 +65,16 @@ class PlaceArrays:
 
     def names(self) -> tuple[str, ...]:
         """Name of each place."""
-        text = self.name_bytes.tobytes()
-        starts = [0, *self.name_ends[:-1].tolist()]
+        text, ends = self.name_bytes.tobytes(), self.name_ends.tolist()
         try:
-            return tuple(text[a:b].decode() for a, b in zip(starts, self.name_ends.tolist(), strict=True))
+            return tuple(text[a:b].decode() for a, b in pairwise([0, *ends]))
         except UnicodeDecodeError:
             raise DamagedError("the names of the places are no text: damaged?") from None
 
     def as_arrays(self) -> Arrays:
         """Arrays by name, with their dimensions."""
         values = {name: getattr(self, name) for name in DIMENSIONS}
-        descriptors = ("bits", ("place", "eight")) if self.is_bits else ("descriptors", ("place", "feature"))
+        descriptors = ("bits", ("place", "feature_byte")) if self.is_bits else ("descriptors", ("place", "feature"))
         return {descriptors[0]: (descriptors[1], self.stored)} | {
             name: (DIMENSIONS[name], array) for name, array in values.items()
         }
@@ -193,7 +193,7 @@ def read_places(folder: Path, about: MapAbout) -> PlaceArrays:
         If they are not as they were written.
     """
     is_bits = about.metric == "hamming"
-    name, dimensions = ("bits", ("place", "eight")) if is_bits else ("descriptors", ("place", "feature"))
+    name, dimensions = ("bits", ("place", "feature_byte")) if is_bits else ("descriptors", ("place", "feature"))
     arrays = read_arrays(folder, {name: dimensions, **DIMENSIONS})
     stored = arrays.pop(name)
     places = PlaceArrays(stored=stored, n_features=about.n_features, is_bits=is_bits, **arrays)

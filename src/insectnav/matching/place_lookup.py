@@ -83,7 +83,7 @@ def best_line(
     routes, half = landscape.places.routes, params.unique_window // 2
     proposed = np.empty(LINES, np.int64)
     weights = _weights(distances)
-    n = propose_starts(places, weights, routes, _coarse_speeds(params.offsets), half + 1, proposed)
+    n = propose_starts(places, weights, routes, coarse_speeds(params.offsets), half + 1, proposed)
     if not n:
         return -1, -1, np.inf, np.inf
     pieces = _neighbourhoods(np.sort(proposed[:n]), landscape, params)
@@ -102,7 +102,7 @@ def _weights(distances: Reals) -> Reals:
     return 2.0 - share.astype(np.float64)
 
 
-def _coarse_speeds(offsets: Integers) -> Integers:
+def coarse_speeds(offsets: Integers) -> Integers:
     """Enough of the speeds that each line ends within a place of one of them."""
     last = offsets[:, -1]
     chosen, ahead = [], -np.inf

@@ -93,9 +93,9 @@ def lines_of_pieces(
 
 def _one_after_the_other(blocks: Sequence[PieceLines]) -> PieceLines:
     """What one piece knows of all sequences, from blocks of them."""
-    piece, start, speed, sums, left, right, least = zip(*blocks, strict=True)
-    start, speed, sums, left, right = (np.concatenate(parts) for parts in (start, speed, sums, left, right))
-    return PieceLines(piece[0], start, speed, sums, left, right, min(least))
+    piece, least = blocks[0].piece, min(lines.least for lines in blocks)
+    start, speed, sums, left, right = (np.concatenate(parts) for parts in zip(*(b[1:-1] for b in blocks), strict=True))
+    return PieceLines(piece, start, speed, sums, left, right, least)
 
 
 def matches_of_lines(lines: Lines, is_seen: NDArray[np.bool_], params: SeqSlamParams) -> Matches:

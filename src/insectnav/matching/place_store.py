@@ -11,6 +11,7 @@ import os
 import secrets
 import shutil
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, cast
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from insectnav.checks import InputError, quoted
 
 LOCK_FILE = "lock"
+SYNCHRONISED_AT_ONCE = 8
 LARGEST_JSON = 2**22  # [byte]
 LARGEST_SIZE = 2**40  # along an axis: larger ones are damage, and would not fit into products
 IN_MEMORY = 2**20  # [byte] files up to this size are read at once
@@ -75,10 +77,9 @@ def whole_folder(final: Path) -> Iterator[Path]:
     temporary.mkdir(parents=True)
     try:
         yield temporary
-        for path, _, files in os.walk(temporary):
-            for name in files:
-                synchronise(Path(path) / name)
-            synchronise(Path(path))
+        # All at once: a system that waits for its disk then waits once.
+        with ThreadPoolExecutor(SYNCHRONISED_AT_ONCE) as pool:
+            list(pool.map(synchronise, [temporary, *temporary.rglob("*")]))
         temporary.rename(final)
         synchronise(final.parent)
     finally:
@@ -141,7 +142,7 @@ def write_arrays(folder: Path, arrays: Arrays) -> None:
     for name, (dimensions, values) in arrays.items():
         about = _description(list(values.shape), values.dtype.name, dimensions)
         chunk = chunk_file(folder / name, values.ndim)
-        chunk.parent.mkdir(parents=True)
+        chunk.parent.mkdir()
         (folder / name / "zarr.json").write_text(json.dumps(about, indent=2), encoding="utf-8")
         if values.size:
             np.ascontiguousarray(values, values.dtype.newbyteorder("<")).tofile(chunk)
@@ -149,7 +150,7 @@ def write_arrays(folder: Path, arrays: Arrays) -> None:
 
 def chunk_file(array: Path, n_axes: int) -> Path:
     """Where the only chunk of an array lies."""
-    return array.joinpath("c", *("0" * n_axes))
+    return array / ".".join(["c", *("0" * n_axes)])
 
 
 def read_arrays(folder: Path, expected: Mapping[str, tuple[str, ...]]) -> dict[str, NDArray[Any]]:
@@ -224,7 +225,7 @@ def _description(shape: list[int], kind: str, dimensions: tuple[str, ...]) -> di
         "shape": shape,
         "data_type": kind,
         "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [max(size, 1) for size in shape]}},
-        "chunk_key_encoding": {"name": "default", "configuration": {"separator": "/"}},
+        "chunk_key_encoding": {"name": "default", "configuration": {"separator": "."}},
         "fill_value": np.zeros((), kind).item(),
         "codecs": [codec],
         "attributes": {},

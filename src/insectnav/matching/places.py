@@ -18,6 +18,7 @@ from insectnav.matching.place_lookup import indexed_matches
 from insectnav.matching.place_record import MapRecord, read_record, write_record
 from insectnav.matching.place_search import Landscape, check_length, checked_queries, exact_matches, landscape_of
 from insectnav.matching.place_segments import SEGMENTS, Segments, add_segment, read_segments
+from insectnav.matching.place_shards import cluster_matches
 from insectnav.matching.place_store import DamagedError, only_writer, shown, whole_folder, written
 from insectnav.matching.place_stream import MapStream, begin_map_stream
 from insectnav.matching.seqslam import Matches, SeqSlamParams
@@ -25,7 +26,7 @@ from insectnav.matching.seqslam import Matches, SeqSlamParams
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
 SEARCHES = ("auto", "exact", "index")
-EXACT_UP_TO = 50_000  # [place] to which "auto" compares with all, which then takes about as long; benchmarks/places.py
+EXACT_UP_TO = 30_000  # [place] to which "auto" compares with all, which then takes about as long; benchmarks/places.py
 
 
 class PlaceMap:
@@ -218,7 +219,7 @@ class PlaceMap:
         about : of the queries; refused if they were described in another way than the map
         search : "exact" compares with all places, "index" with those that an index proposes
         workers : threads; they change nothing in the results
-        cluster : address or client of a Dask cluster that shares the work of exact search
+        cluster : address or client of a Dask cluster, whose workers compare with all places and see the folder
 
         Returns
         -------
@@ -238,7 +239,9 @@ class PlaceMap:
         queries = checked_queries(landscape, descriptors)
         check_length(queries, params)
         if cluster is not None:
-            raise NotImplementedError
+            if search == "index" or workers is not None:
+                raise InputError("a cluster searches a map without its index, with workers of its own: give it alone")
+            return cluster_matches(self.path, self._record, landscape, queries, params, cluster)
         if (found := self._index(search)) is not None:
             return indexed_matches(landscape, found, queries, params, workers)
         return exact_matches(landscape, queries, params, workers)
