@@ -4,6 +4,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pytest
 
 from insectnav.experiments.place_maps.located import Located
 
@@ -91,3 +92,33 @@ def located(reference, score=None, truth=None, **given):
         truth=truth,
         **given,
     )
+
+
+def robot_recording(folder: Path, pictures: np.ndarray) -> Path:
+    """A bag of ROS 2: a picture a second from 10 s on, and odometry that moves north by 3 m a second."""
+    rosbag2, typesys = pytest.importorskip("rosbags.rosbag2"), pytest.importorskip("rosbags.typesys")
+    store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+    make = {name.rsplit("/", 1)[1]: kind for name, kind in store.types.items()}
+    zero = make["Vector3"](x=0.0, y=0.0, z=0.0)
+    upright = make["Quaternion"](x=0.0, y=0.0, z=0.0, w=1.0)
+    path = folder / "robot"
+    with rosbag2.Writer(path, version=9) as writer:
+        images = writer.add_connection("/camera", "sensor_msgs/msg/Image", typestore=store)
+        places = writer.add_connection("/odometry", "nav_msgs/msg/Odometry", typestore=store)
+        for k, picture in enumerate(pictures):
+            stamp = make["Time"](sec=10 + k, nanosec=0)
+            header = make["Header"](stamp=stamp, frame_id="")
+            rows, columns = picture.shape
+            image = make["Image"](header=header, height=rows, width=columns, encoding="mono8", is_bigendian=0,
+                                  step=columns, data=picture.reshape(-1))  # fmt: skip
+            pose = make["Pose"](position=make["Point"](x=0.0, y=3.0 * k, z=0.0), orientation=upright)
+            place = make["Odometry"](
+                header=header, child_frame_id="base",
+                pose=make["PoseWithCovariance"](pose=pose, covariance=np.zeros(36)),
+                twist=make["TwistWithCovariance"](twist=make["Twist"](linear=zero, angular=zero),
+                                                  covariance=np.zeros(36)),
+            )  # fmt: skip
+            for connection, message in ((images, image), (places, place)):
+                data = store.serialize_cdr(message, message.__msgtype__)
+                writer.write(connection, (10 + k) * 10**9, bytes(data))
+    return path

@@ -125,6 +125,7 @@ def locate_params(given: Mapping[str, Any]) -> "LocateParams":
         seqslam=SeqSlamParams(**_chosen(given, names)),
         truth=TruthParams(
             pairs=given["truth"],
+            key_frames=given["key_frames"],
             same_index=given["same_index"],
             tolerance_frames=given["tolerance_frames"],
             tolerance_m=given["tolerance_m"],
@@ -154,8 +155,9 @@ def _where(given: Mapping[str, Any]) -> "Whereabouts":
 
     columns = given["position_columns"]
     names = {
-        "times": "times", "positions": "positions", "time_offset_s": "time_offset", "utc_offset_h": "utc_offset",
-        "max_gap_s": "max_gap",
+        "times"
+        "times": "times", "positions": "positions", "position_topic": "position_topic",
+        "time_offset_s": "time_offset", "utc_offset_h": "utc_offset", "max_gap_s": "max_gap",
     }  # fmt: skip
     listed = None if columns is None else tuple(name.strip() for name in columns.split(","))
     return Whereabouts(**_chosen(given, names), columns=listed)

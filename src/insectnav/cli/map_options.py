@@ -20,8 +20,9 @@ DESCRIBE: tuple[Option, ...] = (
     ("--metric", TEXT, "Of features of your own: cosine, euclidean, absolute or hamming", "cosine", None),
 )  # fmt: skip
 WHERE: tuple[Option, ...] = (
-    ("--positions", TEXT, "Where the frames were taken: CSV, GPX or NMEA", "", "FILE"),
+    ("--positions", TEXT, "Where the frames were taken: CSV, GPX, NMEA, or the recording of a robot", "", "FILE"),
     ("--position-columns", TEXT, "Of positions without a header, as time_ms,x_cm,y_cm", "", "NAMES"),
+    ("--position-topic", TEXT, "Of positions in the recording of a robot", "the only one", None),
     ("--times", TEXT, "When they were taken: CSV, their names, EXIF, or frames a second", "", "FILE|names|exif|RATE"),
     ("--time-offset", NUMBER, "Added to the times of the frames [s]", "0", None),
     ("--utc-offset", NUMBER, "Of clocks that name no time zone [h]", "0", None),
@@ -42,8 +43,9 @@ MATCH: tuple[Option, ...] = (
 )
 TRUTH: tuple[Option, ...] = (
     ("--truth", TEXT, "Table of query and reference: numbers from 0, or names of frames", "", "FILE.csv"),
+    ("--key-frames", TEXT, "The same of some frames, between which the truth is a straight line", "", "FILE.csv"),
     ("--same-index", FLAG, "Query k was taken at place k", "", None),
-    ("--tolerance-frames", NUMBER, "With --truth or --same-index: error of a right match", "2", None),
+    ("--tolerance-frames", NUMBER, "With a truth in frames: error of a right match", "2", None),
     ("--tolerance-m", NUMBER, "With --positions: error of a right match [m]", "", None),
 )
 HOW: tuple[Option, ...] = (

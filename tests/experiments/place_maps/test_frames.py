@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from insectnav.checks import InputError
 from insectnav.experiments.place_maps.frames import Frame, Thinning, open_frames, thinned
 from insectnav.experiments.place_maps.whereabouts import Whereabouts, placed
-from place_scenes import views, write_pictures
+from place_scenes import robot_recording, views, write_pictures
 
 
 def frames_at(times=None, positions=None, n=10):
@@ -112,3 +112,18 @@ def test_times_that_go_back_are_refused(tmp_path: Path):
     (tmp_path / "times.csv").write_text("time_s,file\n0,frame0.png\n2,frame1.png\n1,frame2.png\n3,frame3.png\n")
     with pytest.raises(InputError, match="'frame2' was taken 1 s before 'frame1'"):
         placed(open_frames([tmp_path / "a"]), Whereabouts(times=str(tmp_path / "times.csv")))
+
+
+def test_recordings_of_robots_have_times_and_positions(tmp_path: Path):
+    path = robot_recording(tmp_path, views(5))
+    source = open_frames([path])
+    track = tmp_path / "track.csv"
+    track.write_text("time_s,x_m,y_m\n10,0,0\n12,4,0\n")
+    frames = list(placed(source, Whereabouts(positions=str(track))).source.frames)
+    assert [frame.time for frame in frames] == [10.0, 11.0, 12.0, 13.0, 14.0]
+    assert_allclose([frame.position[0] for frame in frames], [0, 2, 4, np.nan, np.nan])
+    assert_array_equal(np.stack([frame.read() for frame in frames]), views(5))
+    own = list(placed(open_frames([path]), Whereabouts(positions=str(path))).source.frames)
+    assert_allclose([frame.position[1] for frame in own], [0, 3, 6, 9, 12])
+    with pytest.raises(InputError, match="which has its own"):
+        placed(open_frames([path]), Whereabouts(times="1"))

@@ -9,7 +9,7 @@ from sklearn.metrics import average_precision_score
 
 from insectnav.checks import InputError
 from insectnav.experiments.place_maps.located import numbers, read_matches, write_rows
-from insectnav.experiments.place_maps.truth import by_position, from_pairs, quantity, same_index
+from insectnav.experiments.place_maps.truth import between_key_frames, by_position, from_pairs, quantity, same_index
 from place_scenes import located
 
 
@@ -28,6 +28,14 @@ def test_pairs_may_say_that_a_query_is_nowhere():
     assert_array_equal(truth.is_in_map, [True, False, False])
     with pytest.raises(InputError, match="pairs query 3 with place 0"):
         from_pairs(np.array([4, 2, 7]), {3: 0}, 1.0, "by hand", 10)
+
+
+def test_straight_lines_between_key_frames():
+    keys = np.array([[1, 10], [3, 14], [4, np.nan]])
+    truth = between_key_frames(np.array([9, 11, 12, 13, 13, 13]), keys, 1.0, "by eye")
+    assert_array_equal(truth.is_known, [False, True, True, True, True, False])
+    assert_array_equal(truth.is_right, [False, True, True, True, False, False])
+    assert_array_equal(truth.is_in_map, [False, True, True, True, False, False])
 
 
 def test_distance_over_the_ground():

@@ -11,11 +11,11 @@ import numpy as np
 
 from insectnav.checks import InputError
 from insectnav.datasets.positions import positions_of_frames, read_positions
-from insectnav.experiments.place_maps.locate import LocateParams, Search
+from insectnav.experiments.place_maps.locate import LocateParams, Search, truth_in_frames
 from insectnav.experiments.place_maps.located import Located, numbers, read_matches
 from insectnav.experiments.place_maps.page import lead_sentence
 from insectnav.experiments.place_maps.report import summary
-from insectnav.experiments.place_maps.truth import Truth, by_position, from_pairs, read_pairs, same_index
+from insectnav.experiments.place_maps.truth import Truth, by_position
 from insectnav.matching.places import PlaceMap
 
 NO_TRUTH = "nothing is known of the truth, expected --same-index, --truth FILE, or --positions FILE with --tolerance-m"
@@ -80,14 +80,11 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
 
 def _truth(found: Located, params: LocateParams, is_whole_map: bool) -> Truth:
     known, where = params.truth, params.frames.where
-    if known.same_index:
-        if not is_whole_map and found.place_routes.any():
-            raise InputError("the matches lie on several routes, expected --map to know where each begins")
-        return same_index(found.reference, found.place_routes, known.tolerance, is_whole_map=is_whole_map)
-    if known.pairs is not None:
-        pairs = read_pairs(known.pairs, found.names, found.place_names)
-        source = f"pairs of {Path(known.pairs).name} (--truth)"
-        return from_pairs(found.reference, pairs, known.tolerance, source, max(len(found.place_names), _most(pairs)))
+    if known.same_index and not is_whole_map and found.place_routes.any():
+        raise InputError("the matches lie on several routes, expected --map to know where each begins")
+    truth = truth_in_frames(found, known, len(found.place_names) if is_whole_map else None)
+    if truth is not None:
+        return truth
     if known.tolerance_m is None or where.positions is None:
         raise InputError(NO_TRUTH)
     table = read_positions(where.positions, columns=where.columns)
@@ -99,10 +96,6 @@ def _truth(found: Located, params: LocateParams, is_whole_map: bool) -> Truth:
         query = positions_of_frames(table, frames=np.arange(len(found.names)))
     source = f"positions of {Path(where.positions).name} (--positions), over the ground"
     return by_position(found.reference, query, found.place_positions, known.tolerance_m, source)
-
-
-def _most(pairs: dict[int, int]) -> int:
-    return 1 + max(pairs.values(), default=-1)
 
 
 def _curve(found: Located) -> dict[str, Any] | None:

@@ -195,9 +195,12 @@ def _matching(place: str | os.PathLike[str]) -> list[Path]:
 def _kind(path: Path) -> str:
     if path.suffix.lower() in ARRAYS or (path / "zarr.json").exists():
         return "array"
-    if path.suffix.lower() in BAGS or (path / "metadata.yaml").exists():
-        return "bag"
-    return "pictures"
+    return "bag" if is_bag(path) else "pictures"
+
+
+def is_bag(path: Path) -> bool:
+    """Whether a place is the recording of a robot, of ROS 1 or 2, by its name."""
+    return path.suffix.lower() in BAGS or (path / "metadata.yaml").exists()
 
 
 def _of_pictures(paths: list[Path], step: int) -> FrameSource:

@@ -12,12 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, quoted
+from insectnav.datasets.key_frames import read_key_frames
 from insectnav.experiments.place_maps.compare import compare
 from insectnav.experiments.place_maps.describe import OF_PICTURES, ROTATED, DescribeParams
 from insectnav.experiments.place_maps.describing import Described, Remarks, described, settled, stacked
 from insectnav.experiments.place_maps.located import Located
 from insectnav.experiments.place_maps.opening import FrameParams, opened
-from insectnav.experiments.place_maps.truth import Truth, by_position, from_pairs, read_pairs, same_index
+from insectnav.experiments.place_maps.truth import (
+    Truth,
+    between_key_frames,
+    by_position,
+    from_pairs,
+    read_pairs,
+    same_index,
+)
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.seqslam import SeqSlamParams
 
@@ -33,6 +41,7 @@ class TruthParams:
     Parameters
     ----------
     pairs : table of queries and their places
+    key_frames : table of some queries and their places, between which lines are straight
     same_index : whether query k was taken at place k
     tolerance_frames : up to which a match is right
     tolerance_m : with positions of the queries, up to which a match is right
@@ -44,6 +53,7 @@ class TruthParams:
     """
 
     pairs: str | None = None
+    key_frames: str | None = None
     same_index: bool = False
     tolerance_frames: float | None = None
     tolerance_m: float | None = None
@@ -53,6 +63,7 @@ class TruthParams:
             name
             for name, is_given in (
                 ("--truth", self.pairs is not None),
+                ("--key-frames", self.key_frames is not None),
                 ("--same-index", self.same_index),
                 ("--tolerance-m", self.tolerance_m is not None),
             )
@@ -60,8 +71,12 @@ class TruthParams:
         ]
         if len(given) > 1:
             raise InputError(f"{' and '.join(given)} are given, expected one kind of truth")
-        if self.tolerance_frames is not None and not (self.same_index or self.pairs is not None):
-            raise InputError("--tolerance-frames is given without a truth in frames, expected --same-index or --truth")
+        if self.tolerance_frames is not None and not (
+            self.same_index or self.pairs is not None or self.key_frames is not None
+        ):
+            raise InputError(
+                "--tolerance-frames is given without a truth in frames, expected --same-index, --truth or --key-frames"
+            )
 
     @property
     def tolerance(self) -> float:
@@ -208,19 +223,42 @@ def _matched(
 
 def _truth(found: Located, place_map: PlaceMap, params: LocateParams) -> Truth | None:
     """The truth that the user knows of."""
-    known = params.truth
+    known, where = params.truth, params.frames.where
+    if known.tolerance_m is None:
+        return truth_in_frames(found, known, place_map.n_places)
+    if where.positions is None:
+        raise InputError("--tolerance-m is given without --positions, expected a file of where the queries were")
+    query = np.full((len(found.names), 3), np.nan) if found.query_positions is None else found.query_positions
+    source = f"positions of {os.path.basename(where.positions)} (--positions), over the ground"
+    return by_position(found.reference, query, found.place_positions, known.tolerance_m, source)
+
+
+def truth_in_frames(found: Located, known: TruthParams, n_places: int | None) -> Truth | None:
+    """The truth by numbers of frames; None if none is given.
+
+    Parameters
+    ----------
+    found : Located
+    known : TruthParams
+    n_places : in the map; None if the matches alone are known
+
+    Raises
+    ------
+    InputError
+        If a table cannot be read, or names what is not there.
+    """
     if known.same_index:
-        return same_index(found.reference, found.place_routes, known.tolerance)
+        is_whole = n_places is not None
+        return same_index(found.reference, found.place_routes, known.tolerance, is_whole_map=is_whole)
     if known.pairs is not None:
         pairs = read_pairs(known.pairs, found.names, found.place_names)
+        most = 1 + max(pairs.values(), default=-1) if n_places is None else n_places
         source = f"pairs of {os.path.basename(known.pairs)} (--truth)"
-        return from_pairs(found.reference, pairs, known.tolerance, source, place_map.n_places)
-    if known.tolerance_m is not None:
-        if params.frames.where.positions is None:
-            raise InputError("--tolerance-m is given without --positions, expected a file of where the queries were")
-        query = np.full((len(found.names), 3), np.nan) if found.query_positions is None else found.query_positions
-        source = f"positions of {os.path.basename(params.frames.where.positions)} (--positions), over the ground"
-        return by_position(found.reference, query, found.place_positions, known.tolerance_m, source)
+        return from_pairs(found.reference, pairs, known.tolerance, source, most)
+    if known.key_frames is not None:
+        keys = read_key_frames(known.key_frames)
+        source = f"straight lines between the key frames of {os.path.basename(known.key_frames)} (--key-frames)"
+        return between_key_frames(found.reference, keys, known.tolerance, source)
     return None
 
 

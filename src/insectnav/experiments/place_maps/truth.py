@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_range, quoted
+from insectnav.metrics.place_truth import true_matches_by_frames
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 MAX_BYTES = 1_000_000_000  # of a table
 QUERY_COLUMNS, REFERENCE_COLUMNS = ("query", "query_name"), ("reference", "reference_name")
-AT_ONCE = 4_000_000  # distances
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -123,6 +123,29 @@ def from_pairs(matched: Integers, pairs: Mapping[int, int], tolerance: float, so
     )
 
 
+def between_key_frames(matched: Integers, key_frames: Reals, tolerance: float, source: str) -> Truth:
+    """Truth between frames that a person has matched; queries before the first and after the last are not judged.
+
+    Parameters
+    ----------
+    matched : (query,) number of the place of each, −1 where there is none
+    key_frames : (key frame, 2) numbers of queries and places, as of `metrics.place_truth.true_matches_by_frames`
+    tolerance : [frame]
+    source : in words
+    """
+    check_range("tolerance-frames", tolerance, 0.0, np.inf)
+    true = true_matches_by_frames(key_frames, np.arange(len(matched)))
+    return Truth(
+        reference=true.reference,
+        error=np.where(matched >= 0, np.abs(matched - true.reference), np.nan),
+        is_known=np.asarray(true.is_known),
+        is_in_map=np.asarray(true.can_be_matched),
+        tolerance=float(tolerance),
+        unit="frames",
+        source=source,
+    )
+
+
 def by_position(
     matched: Integers, query_positions: Reals, reference_positions: Reals, tolerance: float, source: str
 ) -> Truth:
@@ -156,16 +179,14 @@ def by_position(
 
 
 def _nearest(query: Reals, places: Reals) -> tuple[Integers, Reals]:
-    """Number and distance of the place nearest to each query."""
-    nearest, distance = np.zeros(len(query), np.int64), np.full(len(query), np.inf)
+    """Number and distance of the place nearest to each query, of those that are known; infinitely far where none is."""
+    from scipy.spatial import cKDTree
+
     known = np.flatnonzero(np.isfinite(places).all(axis=1))
-    size = max(1, AT_ONCE // len(known))
-    for first in range(0, len(query), size):
-        apart = np.linalg.norm(query[first : first + size, None] - places[known], axis=-1)
-        apart = np.where(np.isnan(apart), np.inf, apart)
-        best = apart.argmin(axis=1)
-        nearest[first : first + size] = known[best]
-        distance[first : first + size] = apart[np.arange(len(best)), best]
+    is_known = np.isfinite(query).all(axis=1)
+    nearest, distance = np.zeros(len(query), np.int64), np.full(len(query), np.inf)
+    distance[is_known], index = cKDTree(places[known]).query(query[is_known])
+    nearest[is_known] = known[index]
     return nearest, distance
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from insectnav.checks import InputError, quoted
 from insectnav.datasets.frame_times import times_of_frames
 from insectnav.datasets.positions import MAX_GAP_S, Positions, positions_of_frames, read_positions
-from insectnav.experiments.place_maps.frames import NOWHERE, Frame, FrameSource
+from insectnav.experiments.place_maps.frames import NOWHERE, Frame, FrameSource, is_bag
 
 Reals = NDArray[np.floating[Any]]
 Origin = tuple[float, float] | None
@@ -25,8 +26,9 @@ class Whereabouts:
     Parameters
     ----------
     times : "names", "exif", frames per second, or a file: see `insectnav.datasets.frame_times.times_of_frames`
-    positions : a file: see `insectnav.datasets.positions.read_positions`
+    positions : a file, see `insectnav.datasets.positions.read_positions`, or the recording of a robot
     columns : of a table of positions without a header
+    position_topic : of the positions in the recording of a robot; None for the only one
     time_offset_s : added to the times of the frames [s]
     utc_offset_h : of clocks without time zone [h]
     max_gap_s : between two positions that is bridged [s]
@@ -35,6 +37,7 @@ class Whereabouts:
     times: str | None = None
     positions: str | None = None
     columns: tuple[str, ...] | None = None
+    position_topic: str | None = None
     time_offset_s: float = 0.0
     utc_offset_h: float = 0.0
     max_gap_s: float = MAX_GAP_S
@@ -64,7 +67,7 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
     """
     table = None
     if where.positions is not None:
-        table = read_positions(where.positions, columns=where.columns, origin_deg=origin_deg)
+        table = _table(where, origin_deg)
     elif where.columns is not None:
         raise InputError("--position-columns is given without --positions, expected both")
     if source.kind == "bag":
@@ -88,6 +91,18 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
 
     origin = None if table is None else table.origin_deg
     return Placed(replace(source, frames=frames()), origin, () if table is None else table.notes)
+
+
+def _table(where: Whereabouts, origin_deg: Origin) -> Positions:
+    """Positions of a file, or of the recording of a robot."""
+    path = Path(str(where.positions))
+    if is_bag(path):
+        from insectnav.datasets.ros_bag import bag_positions
+
+        return bag_positions(path, where.position_topic, origin_deg=origin_deg)
+    if where.position_topic is not None:
+        raise InputError("--position-topic is given, expected it with positions in the recording of a robot alone")
+    return read_positions(path, columns=where.columns, origin_deg=origin_deg)
 
 
 def _times(source: FrameSource, where: Whereabouts, numbers: NDArray[np.int64]) -> Reals | None:
@@ -150,7 +165,10 @@ def _of_recording(source: FrameSource, where: Whereabouts, table: Positions | No
     def frames() -> Iterator[Frame]:
         for frame in source.frames:
             time = frame.time + where.time_offset_s
-            place = positions_of_frames(positions, times=np.array([time]), max_gap_s=where.max_gap_s)[0]
+            try:
+                place = positions_of_frames(positions, times=np.array([time]), max_gap_s=where.max_gap_s)[0]
+            except InputError:  # before the first or after the last position: one frame tells nothing of the clocks
+                place = NOWHERE
             yield replace(frame, time=time, position=place)
 
     return Placed(replace(source, frames=frames()), table.origin_deg, table.notes)
