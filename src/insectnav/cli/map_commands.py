@@ -155,7 +155,6 @@ def _where(given: Mapping[str, Any]) -> "Whereabouts":
 
     columns = given["position_columns"]
     names = {
-        "times"
         "times": "times", "positions": "positions", "position_topic": "position_topic",
         "time_offset_s": "time_offset", "utc_offset_h": "utc_offset", "max_gap_s": "max_gap",
     }  # fmt: skip

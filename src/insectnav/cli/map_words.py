@@ -56,11 +56,9 @@ def _facts(result: Mapping[str, Any]) -> list[str]:
         + (f"; {settings}" if settings else ""),
     ]
     if result["with_position"]:
-        length = (
-            ""
-            if result["length_m"] is None
-            else f", {result['length_m']:.0f} m in steps of {result['spacing_m']:.2g} m"
-        )
+        length = ""
+        if result["length_m"] is not None:
+            length = f", {result['length_m']:.0f} m in steps of {result['spacing_m']:.2g} m"
         origin = ""
         if result["origin_deg"] is not None:
             origin = ", from latitude {:.5f}°, longitude {:.5f}°".format(*result["origin_deg"])
@@ -89,10 +87,7 @@ def _scores(numbers: Mapping[str, Any]) -> list[str]:
         errors = {
             name: quantity(numbers[f"error_{name}"], numbers["unit"]) for name in ("median", "90_percent", "largest")
         }
-        lines.append(
-            f"off by {errors['median']} in the median, {errors['90_percent']} in nine of ten, {errors['largest']} at "
-            "most"
-        )
+        lines.append("off by {median} in the median, {90_percent} in nine of ten, {largest} at most".format(**errors))
     return lines
 
 

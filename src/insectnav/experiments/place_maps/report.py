@@ -278,13 +278,18 @@ def _match_caption(search: Search) -> Caption:
     ]
 
 
+def _has_wrong(found: Located) -> bool:
+    """Whether a match that is kept is known to be wrong."""
+    return found.truth is not None and bool((found.is_kept & found.truth.is_known & ~found.truth.is_right).any())
+
+
 def _route_caption(found: Located) -> Caption:
     """What the figure of the route shows, panel by panel."""
     said = []
     if np.isfinite(found.place_positions[:, :2]).all(axis=1).any():
         own = "where the queries were" if found.query_positions is not None else "where their matches are"
         text = f"Grey: the places of the map; marks: {own}"
-        if found.truth is not None and found.query_positions is not None and found.truth.unit == "m":
+        if found.truth is not None and found.query_positions is not None and _has_wrong(found):
             text += "; red lines lead from a query to its wrong match"
         said.append(text)
     if found.truth is not None and np.isfinite(found.truth.error).any():
