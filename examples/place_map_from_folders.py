@@ -1,9 +1,10 @@
 # %% [markdown]
 # # Two folders of pictures: where was each of the second taken?
 #
-# A rendered city is walked twice, in May and in January, and an ultraviolet camera that sees all round leaves a folder of
-# pictures of each walk, with a table of where they were taken. The command line makes a map of the first folder and finds
-# the pictures of the second in it; the page that it leaves shows how well. With folders of your own begin at "A map".
+# A rendered city is walked twice, in May and in January, and an ultraviolet camera that sees all round leaves a folder
+# of pictures of each walk, with a table of where they were taken. The command line makes a map of the first folder and
+# finds the pictures of the second in it; the page that it leaves shows how well. With folders of your own begin at "A
+# map".
 #
 #     python examples/place_map_from_folders.py [FOLDER]
 

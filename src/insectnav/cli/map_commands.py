@@ -119,10 +119,10 @@ def locate_params(given: Mapping[str, Any]) -> "LocateParams":
     from insectnav.experiments.place_maps.locate import LocateParams, TruthParams
     from insectnav.matching.seqslam import SeqSlamParams
 
-    names = {"sequence_length": "sequence_length", "slowest": "slowest", "fastest": "fastest"}
+    names = ("sequence_length", "slowest", "fastest", "contrast_window", "unique_window")
     return LocateParams(
         frames=_frame_params(given),
-        seqslam=SeqSlamParams(**_chosen(given, names)),
+        seqslam=SeqSlamParams(**_chosen(given, {name: name for name in names})),
         truth=TruthParams(
             pairs=given["truth"],
             key_frames=given["key_frames"],

@@ -12,13 +12,16 @@ from insectnav.checks import InputError
 from insectnav.experiments.place_maps.describe import COMPARED, ROTATED, TURNED, DescribeParams
 from insectnav.experiments.place_maps.view_cameras import grid, grid_resampler
 from insectnav.matching.compass import TurnMatrix, turn_matrix, turns_of_matches
-from insectnav.matching.difference import difference_matrix
+from insectnav.matching.difference import difference_matrix, prepare_references
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.rotation import build_rotation_index
 from insectnav.matching.seqslam import Matches, SeqSlamParams, enhance_contrast, matches_from_lines
 
 Reals = NDArray[np.floating[Any]]
 Features = NDArray[np.float32]
+
+
+DIFFERENCES_AT_ONCE = 10_000_000
 
 
 class Compared(NamedTuple):
@@ -68,6 +71,9 @@ def compare(
         settings=about.settings if describe.is_vectors else describe.settings(),
     )
     if describe.is_vectors or describe.descriptor not in COMPARED:
+        if params.n_steps == 0 and search != "index":
+            about.check_same(own, "the queries")
+            return Compared(_most_alike(place_map, features, params, workers), None)
         return Compared(place_map.locate(features, params, about=own, search=search, workers=workers), None)
     about.check_same(own, "the queries")
     if search == "index":
@@ -159,6 +165,18 @@ def _lines(difference: Reals, params: SeqSlamParams, workers: int | None) -> tup
         is_better = line < sums[:n_starts]
         sums[:n_starts][is_better], speeds[:n_starts][is_better] = np.asarray(line)[is_better], speed
     return sums, speeds
+
+
+def _most_alike(place_map: PlaceMap, features: Features, params: SeqSlamParams, workers: int | None) -> Matches:
+    """The most alike place of each single frame, a few queries at a time."""
+    references = prepare_references(np.asarray(place_map.descriptors), place_map.about.metric)
+    routes, half = np.asarray(place_map.routes), params.unique_window // 2
+    size = max(1, DIFFERENCES_AT_ONCE // len(routes))
+    parts = [
+        _nearest(references.differences(features[first : first + size], workers=workers), routes, half)
+        for first in range(0, len(features), size)
+    ]
+    return Matches(*(np.concatenate([part[k] for part in parts]) for k in range(3)))
 
 
 def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> Matches:

@@ -339,22 +339,37 @@ def _in_words(values: Mapping[str, Any]) -> list[tuple[str, str, str]]:
     return rows
 
 
+def _search_in_words(search: Search, by: str) -> str:
+    """How matches were found, with the lengths that windows of places have on the ground."""
+    seqslam, found = search.seqslam, search.found
+    steps = np.linalg.norm(np.diff(found.place_positions[:, :2], axis=0), axis=1)[np.diff(found.place_routes) == 0]
+    known = steps[np.isfinite(steps)]
+
+    def places(count: int) -> str:
+        return f"{count} places" + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
+
+    around = places(seqslam.unique_window // 2)
+    if not seqslam.n_steps:
+        return (
+            "frames one by one, the most alike place; the score is its difference over the least of all places farther "
+            f"than {around} from it"
+        )
+    return (
+        f"SeqSLAM (Milford & Wyeth 2012): sequences of {seqslam.n_steps + 1} frames, {seqslam.slowest:g} to "
+        f"{seqslam.fastest:g} places per query, contrast over {places(seqslam.contrast_window)}, score against all "
+        f"starts farther than {around}; search {by}"
+    )
+
+
 def _settings(search: Search, params: LocateParams, place_map: PlaceMap) -> list[tuple[str, str]]:
     """Everything that was set or assumed."""
-    found, seqslam = search.found, search.seqslam
+    found = search.found
     origin = place_map.about.origin_deg
     rows = [
         ("Map", f"{place_map.path}, {place_map.n_places} places on {int(found.place_routes.max()) + 1} routes"),
         *search.describe.in_words(),
         ("Frames taken", params.frames.thinning.in_words),
-        (
-            "Matched by",
-            f"SeqSLAM (Milford & Wyeth 2012): sequences of {seqslam.n_steps + 1} frames, {seqslam.slowest:g} to "
-            f"{seqslam.fastest:g} places per query, contrast over {seqslam.contrast_window} places, score against "
-            f"all starts farther than {seqslam.unique_window // 2} places; search {params.search}"
-            if seqslam.n_steps
-            else "frames one by one, the best contrast against its neighbours; a sequence of 1",
-        ),
+        ("Matched by", _search_in_words(search, params.search)),
         ("Threshold", "none: all matches are kept" if found.threshold is None else f"scores up to {found.threshold:g}"),
         ("Truth", "none is known" if found.truth is None else f"{found.truth.source}, right within "
          + quantity(found.truth.tolerance, found.truth.unit)),
