@@ -106,8 +106,12 @@ def fabmap(
     table = _log_table(tree, params)
     log_likelihood = _log_likelihood(references, queries, tree, table)
     log_new = _log_new_place(queries, tree, table, params)
-    query, is_seen = np.arange(len(queries)), queries.any(axis=1)
+    is_seen: Bools = np.asarray(queries.any(axis=1))
     posterior = _posterior(np.where(is_seen, np.concatenate([log_likelihood, log_new[None]]), 0.0), params)
+    return _matches(log_likelihood, posterior, is_seen)
+
+
+def _matches(log_likelihood: Reals, posterior: "_Posterior", is_seen: Bools) -> FabMapMatches:
     reference = np.argmax(posterior.log[:-1], axis=0)
 
     def known(values: Reals) -> Reals:
@@ -115,7 +119,7 @@ def fabmap(
 
     return FabMapMatches(
         np.where(is_seen, reference, -1),
-        known(posterior.smoothed[reference, query]),
+        known(posterior.smoothed[reference, np.arange(len(reference))]),
         log_likelihood,
         known(posterior.smoothed[-1]),
         known(_log_of_all_else(posterior.log, reference)),
