@@ -26,7 +26,7 @@ from insectnav.matching.seqslam import Matches, SeqSlamParams
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
 SEARCHES = ("auto", "exact", "index")
-EXACT_UP_TO = 30_000  # [place] to which "auto" compares with all, which then takes about as long; benchmarks/places.py
+EXACT_UP_TO = 60_000  # [place] to which "auto" compares with all, which then takes about as long; benchmarks/places.py
 
 
 class PlaceMap:
