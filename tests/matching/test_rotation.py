@@ -308,3 +308,33 @@ def test_points_without_rows_will_do():
     assert degrees(match.rotation, rotation) < 0.5
     assert index.n_references == 6
     assert index.n_bytes > 6 * index.fine.n_nodes * 4
+
+
+def test_differences_to_every_reference_are_those_of_the_best_plain_score():
+    truth = rotation_matrix(1.1, 0.4, 0.2)
+    views = np.stack([query(3, truth), query(0, np.eye(3))])
+    match, differences = INDEX.match_and_compare(views, SEEN)
+    assert_same(match, INDEX.match(views, SEEN))
+    assert differences.shape == (2, 6)
+    assert_array_equal(np.argmin(differences, axis=1), [3, 0])
+    assert differences[1, 0] < 1e-6
+    # The coarse search blurs by 4°, and so sees less of a difference than there is, but most of it.
+    turns = Rotation.random(4000, random_state=2).as_matrix()
+    turns = turns[np.arccos(np.clip(turns[:, 2, 2], -1.0, 1.0)) < np.pi / 2][:600]
+    for number in (1, 5):
+        here = (lambda d: SKIES[3](to_world(d, truth)), cap)
+        best = max(plain_score(here, (SKIES[number], cap), turn, n=300) for turn in turns)
+        assert 0.6 * (1.0 - best) < differences[0, number] < 1.0 - best + 0.01
+    with pytest.raises(InputError):
+        INDEX.match_and_compare(views[:, :-1], SEEN)
+
+
+def test_a_reference_that_shares_too_little_is_the_most_different():
+    apart = build_rotation_index(
+        np.stack([LEVEL[0], seen_by(SKIES[1], GRID, np.eye(3))]),
+        np.stack([SEEN, GRID.directions[:, 2] < -0.4]),
+        GRID,
+        replace(PARAMS, max_tilt=np.deg2rad(10.0)),
+    )
+    _, differences = apart.match_and_compare(LEVEL[0], SEEN)
+    assert_allclose(differences, [0.0, 1.0], atol=1e-6)

@@ -1,5 +1,6 @@
 """Where on a known route a view was taken: frames compared, sequences of them matched, headings found."""
 
+from insectnav.matching.chow_liu import ChowLiuTree, chow_liu_tree
 from insectnav.matching.compass import (
     TurnMatrix,
     VisualCompass,
@@ -10,18 +11,23 @@ from insectnav.matching.compass import (
 )
 from insectnav.matching.constellations import ConstellationIndex, ConstellationParams, constellation_index, locate
 from insectnav.matching.difference import METRICS, References, difference_matrix, prepare_references
+from insectnav.matching.fabmap import FabMapMatches, FabMapParams, fabmap
 from insectnav.matching.place_about import MapAbout
 from insectnav.matching.places import PlaceMap, merge_maps
 from insectnav.matching.rotation import RotationIndex, RotationParams, build_rotation_index
 from insectnav.matching.rotation_matches import RotationMatches, rotation_angles, rotation_between
 from insectnav.matching.seqslam import OPENSEQSLAM_V1, Matches, SeqSlamParams, enhance_contrast, seqslam
 from insectnav.matching.stream import Stream, StreamMatch, begin_stream, locate_next
+from insectnav.matching.visual_words import Vocabulary, build_vocabulary, vocabulary_of_features
 
 __all__ = [
     "METRICS",
     "OPENSEQSLAM_V1",
+    "ChowLiuTree",
     "ConstellationIndex",
     "ConstellationParams",
+    "FabMapMatches",
+    "FabMapParams",
     "MapAbout",
     "Matches",
     "PlaceMap",
@@ -34,12 +40,16 @@ __all__ = [
     "StreamMatch",
     "TurnMatrix",
     "VisualCompass",
+    "Vocabulary",
     "begin_stream",
     "build_rotation_index",
+    "build_vocabulary",
+    "chow_liu_tree",
     "constellation_index",
     "difference_matrix",
     "disk_turn_matrix",
     "enhance_contrast",
+    "fabmap",
     "locate",
     "locate_next",
     "merge_maps",
@@ -50,4 +60,5 @@ __all__ = [
     "seqslam",
     "turn_matrix",
     "turns_of_matches",
+    "vocabulary_of_features",
 ]

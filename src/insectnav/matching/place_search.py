@@ -1,7 +1,7 @@
 """Where on a map each query was taken, by comparing with all of its places, a piece of the map at a time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,9 +9,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError
 from insectnav.matching.blocks import run_blocks
-from insectnav.matching.difference import Common, References, checked_vectors, common_of, prepare_references
+from insectnav.matching.difference import (
+    FEW_FEATURES,
+    Common,
+    References,
+    checked_vectors,
+    common_of,
+    prepare_references,
+)
 from insectnav.matching.place_arrays import PlaceArrays
 from insectnav.matching.place_pieces import (
+    STARTS_PER_PIECE,
     Lines,
     Piece,
     PieceLines,
@@ -37,11 +45,13 @@ class Landscape:
     places : PlaceArrays
     metric : one of `insectnav.matching.METRICS`
     common : Common
+    is_any_known : whether any place has a descriptor
     """
 
     places: PlaceArrays
     metric: str
     common: Common
+    is_any_known: bool
 
     def references(self, places: slice | NDArray[np.int64]) -> References:
         """Some of the places, ready to be compared."""
@@ -51,8 +61,21 @@ class Landscape:
 def landscape_of(places: PlaceArrays, metric: str) -> Landscape:
     """Places with what all of them together decide."""
     vectors = places.stored
-    is_missing = np.isnan(vectors[:, 0]) if vectors.dtype.kind == "f" else np.zeros(len(vectors), bool)
-    return Landscape(places=places, metric=metric, common=common_of(vectors, is_missing, metric))
+    is_missing, is_any_known = np.zeros(len(vectors), bool), True
+    if vectors.dtype.kind == "f":
+        if metric == "euclidean" and places.n_features > FEW_FEATURES:  # else nobody asks, and it takes a while
+            is_missing = np.isnan(vectors[:, 0])
+        pieces = range(0, len(vectors), STARTS_PER_PIECE)
+        is_any_known = any(not np.isnan(vectors[k : k + STARTS_PER_PIECE, 0]).all() for k in pieces)
+    # Compiled code is compiled for arrays that may be written to and for others: let there be one kind.
+    routes = places.routes.view(np.ndarray)
+    routes.flags.writeable = False
+    return Landscape(
+        places=replace(places, routes=routes),
+        metric=metric,
+        common=common_of(vectors, is_missing, metric),
+        is_any_known=is_any_known,
+    )
 
 
 def exact_matches(landscape: Landscape, queries: NDArray[Any], params: SeqSlamParams, workers: int | None) -> Matches:
@@ -120,9 +143,7 @@ def matches_of_lines(lines: Lines, is_seen: NDArray[np.bool_], params: SeqSlamPa
 
 def known_frames(landscape: Landscape, queries: NDArray[Any]) -> NDArray[np.bool_]:
     """Which queries could be compared with any place."""
-    stored = landscape.places.stored
-    is_any_known = stored.dtype.kind != "f" or not np.isnan(stored[:, 0]).all()
-    return ~checked_vectors("queries", queries)[1] & is_any_known
+    return ~checked_vectors("queries", queries)[1] & landscape.is_any_known
 
 
 def checked_queries(landscape: Landscape, descriptors: ArrayLike) -> NDArray[Any]:

@@ -28,16 +28,19 @@ def votes_of_speed(starts: Array, frame: Array, weight: Array, best: Array, vote
 
 
 @lane_function
-def most_voted(starts: Array, votes: Array, apart: int, proposed: Array) -> int:
+def most_voted(starts: Array, votes: Array, routes: Array, apart: int, proposed: Array) -> int:
     """Fill the middles of the starts with most votes, ``apart`` from each other; how many. Uses the votes up."""
     n = 0
     while n < len(proposed):
         top = np.argmax(votes) if len(votes) else 0
         if not len(votes) or votes[top] <= 0.0:
             break
-        proposed[n] = starts[top] + 1
+        middle = starts[top] + 1
+        if middle >= len(routes) or routes[middle] != routes[starts[top]]:
+            middle = starts[top]
+        proposed[n] = middle
         for i in range(len(starts)):
-            if abs(starts[i] + 1 - proposed[n]) < apart:
+            if abs(starts[i] + 1 - middle) < apart:
                 votes[i] = 0.0
         n += 1
     return n
@@ -68,7 +71,7 @@ def propose_starts(places: Array, weights: Array, routes: Array, offsets: Array,
         starts[n : n + m] = start[:m][order]
         votes_of_speed(starts[n : n + m], frame[:m][order], weight[:m][order], best, votes[n : n + m])
         n += m
-    return most_voted(starts[:n], votes[:n], apart, proposed)
+    return most_voted(starts[:n], votes[:n], routes, apart, proposed)
 
 
 @kernel

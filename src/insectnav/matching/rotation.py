@@ -126,21 +126,38 @@ class RotationIndex:
         InputError
             If views do not fit the grid, are not finite where seen, are constant, or overlap with no reference.
         """
+        return self.match_and_compare(views, seen)[0]
+
+    def match_and_compare(self, views: ArrayLike, seen: ArrayLike) -> tuple[RotationMatches, Reals]:
+        """Matches as of `match`, and the difference of each query and each reference, (..., reference) float32.
+
+        A difference is one less the score of the coarse search at the rotation that fits best. It is not refined: it is
+        for `seqslam`, which needs all pairs, as (reference, query). From 0, the same, to 1, or to 2 for the score
+        "correlation"; the most also stands for too little overlap.
+
+        Parameters
+        ----------
+        views, seen
+            As of `match`.
+        """
         queries, masks, lead = _as_views(views, seen, self.grid)
+        differences = np.empty((len(queries), self.n_references), np.float32)
         found = [
-            self._match_one(*_prepared(query, mask, self.params.score, f"query {k}"), k)
+            self._match_one(*_prepared(query, mask, self.params.score, f"query {k}"), k, differences[k])
             for k, (query, mask) in enumerate(zip(queries, masks, strict=True))
         ]
         columns = {name: np.array([one[name] for one in found]) for name in found[0]}
-        return RotationMatches(**{name: c.reshape((*lead, *c.shape[1:])) for name, c in columns.items()})
+        matches = RotationMatches(**{name: c.reshape((*lead, *c.shape[1:])) for name, c in columns.items()})
+        return matches, differences.reshape(*lead, self.n_references)
 
-    def _match_one(self, values: Singles, mask: Bools, number: int) -> dict[str, Any]:
-        """Fields of the match of one view, (1, direction)."""
+    def _match_one(self, values: Singles, mask: Bools, number: int, differences: Singles) -> dict[str, Any]:
+        """Fields of the match of one view, (1, direction); fills its differences (reference,)."""
         fine = self.fine(values, mask)[0]
         points = seen_points(fine, self.fine.n_cells, N_POINTS)
         smaller = np.minimum(points.area, self.areas)
         least = self.params.least_overlap * smaller
-        best = self._finished(self._starts(self.coarse(values, mask)[0], least, number), fine, points, least)
+        starts = self._starts(self.coarse(values, mask)[0], least, number, differences)
+        best = self._finished(starts, fine, points, least)
         first, second = best[0], best[1] if len(best) > 1 else None
         return {
             "reference": first.reference,
@@ -151,12 +168,13 @@ class RotationIndex:
             "overlap": first.area / smaller[first.reference],
         }
 
-    def _starts(self, coarse: Singles, least: Reals, number: int) -> list[Candidate]:
-        """The best references of the coarse search, each at its best rotation."""
+    def _starts(self, coarse: Singles, least: Reals, number: int, differences: Singles) -> list[Candidate]:
+        """The best references of the coarse search, each at its best rotation; fills the differences (reference,)."""
         from insectnav.matching.rotation_search import best_rotations, rotation_of
 
         params = self.params
         scores, places = best_rotations(coarse, self.coarse.n_cells, self.tilts, self.rings, least, params.score)
+        differences[:] = np.clip(1.0 - scores, 0.0, 1.0 if params.score == "difference" else 2.0)
         order = np.argsort(-scores, kind="stable")
         order = order[np.isfinite(scores[order])][: params.n_refined]
         if not order.size:

@@ -1,0 +1,281 @@
+"""What Figs 8 and 9 share: two passages of a remote-controlled car, and the methods that recognise its places."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insectnav.experiments.experiment import Arrays, Results, Table
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
+from insectnav.experiments.published import Published, Verdict, judge
+from insectnav.experiments.stone2016_places.frames import FULL_SIZE, Section, keep, sections
+from insectnav.experiments.stone2016_places.panels import draw_correspondence, draw_curve, draw_frame
+from insectnav.experiments.stone2016_places.passages import SECONDS_APART, SITE_SEEDS, ground_of
+from insectnav.experiments.stone2016_places.recognition import (
+    FABMAP,
+    NEUTRAL,
+    POINTS,
+    ROTATION,
+    ROTATION_LOCAL,
+    SKY,
+    SKY_WHOLE,
+    TRUE,
+    VANILLA,
+    Recognised,
+    by_rotation,
+    differences,
+    in_sequences,
+    passage_arrays,
+    right_by_turn,
+    truth_between,
+    turned_apart,
+)
+from insectnav.experiments.stone2016_places.sites import BMX, FOREST_END, GARDENS_END, SITES, YARD, Ground
+from insectnav.matching.chow_liu import chow_liu_tree
+from insectnav.matching.fabmap import fabmap
+from insectnav.matching.visual_words import build_vocabulary
+from insectnav.worlds.traverse import way_length
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+LENGTHS = (1, 10, 20)  # [frame] of sequences
+TRAINING_SEED = 100  # added to that of a site: another place of the same kind
+N_TRAINING = 150  # frames of a training passage, evenly along the way
+N_WORDS = {"full": 1000, "quick": 60}  # of FAB-MAP's vocabulary, assumed
+SINGLE = f"{ROTATION}, single frames"
+
+
+def car_sections(site: str, scale: str) -> list[Section]:
+    """Both passages of a site, and training passages of both kinds of site; at quick scale the beginning of each."""
+    full = scale == "full"
+    how: dict[str, Any] = {"size": FULL_SIZE, "supersampling": 2} if full else {"size": 96, "supersampling": 1}
+    each, stretch = (50, 1.0) if full else (40, 0.05)
+    found = [
+        section
+        for number in (0, 1)
+        for section in sections(
+            site, number, seed=SITE_SEEDS[site], stretch=stretch, each=each, time_s=SECONDS_APART * number, **how
+        )
+    ]
+    for other in (BMX.name, YARD.name) if full else (site,):
+        seed, n = SITE_SEEDS[other] + TRAINING_SEED, N_TRAINING if full else each
+        found += [
+            Section(site=other, site_seed=seed, time_s=0.0, passage=0, first=first, n_frames=each, of_frames=n, **how)
+            for first in range(0, n, each)
+        ]
+    return found
+
+
+def simulate_section(section: Section, seed: int) -> Arrays:
+    """What the methods compare, of each frame, and the grey pictures for FAB-MAP."""
+    return keep(section, seed, with_pictures=True)
+
+
+@lru_cache(maxsize=1)
+def recognised(results: Results) -> dict[tuple[str, int], Recognised]:
+    """Answers of each method and length of sequence."""
+    cell = results.cells[0]
+    reference, query = (passage_arrays(results, cell.site, SITE_SEEDS[cell.site], number) for number in (0, 1))
+    truth = truth_between(reference, query)
+    answers = {(FABMAP, 1): _by_words(results, reference["pictures"], query["pictures"], truth)}
+    for method in (VANILLA, NEUTRAL, SKY, POINTS, TRUE):
+        matrix = differences(reference, query, method)
+        answers |= {(method, length): in_sequences(matrix, truth, length) for length in LENGTHS}
+    found = by_rotation(reference, query, truth, cell.size)
+    answers[SINGLE, 1] = found.single
+    for length in LENGTHS:
+        answers[ROTATION, length] = in_sequences(found.matrix, truth, length, whole_contrast=True)
+        answers[ROTATION_LOCAL, length] = in_sequences(found.matrix, truth, length)
+        sky = differences(reference, query, SKY)
+        answers[SKY_WHOLE, length] = in_sequences(sky, truth, length, whole_contrast=True)
+    return answers
+
+
+def _by_words(results: Results, reference: NDArray[Any], query: NDArray[Any], truth: NDArray[Any]) -> Recognised:
+    """FAB-MAP 2.0, with a vocabulary of the training passages."""
+    trained = [k for k, cell in enumerate(results.cells) if cell.site_seed != SITE_SEEDS[cell.site]]
+    pictures = np.concatenate(list(results["pictures"][trained]))
+    scale = "full" if results.cells[0].size == FULL_SIZE else "quick"
+    vocabulary = build_vocabulary(pictures, N_WORDS[scale])
+    tree = chow_liu_tree(vocabulary.bags(pictures))
+    found = fabmap(vocabulary.bags(reference), vocabulary.bags(query), tree)
+    return Recognised(reference=found.reference, score=found.score, truth=truth)
+
+
+def table_of(results: Results) -> Table:
+    """A row for each method and length of sequence."""
+    cell = results.cells[0]
+    chosen = results.where(site_seed=SITE_SEEDS[cell.site])
+    reference, query = (passage_arrays(results, cell.site, SITE_SEEDS[cell.site], number) for number in (0, 1))
+    turned = turned_apart(reference, query, truth_between(reference, query))
+    ground, is_track = ground_of(*cell.place), cell.site == BMX.name
+    return [
+        {
+            "site": cell.site,
+            "method": method,
+            "sequence_length": length,
+            "kind": "rendered",
+            "n": int(np.isfinite(answer.score).sum()),
+            **answer.findings(),
+            "right_in_last_third": last_third(answer),
+            "median_precision": median_precision(answer),
+            "in_right_section": in_right_section(answer, reference["distance"], ground) if is_track else float("nan"),
+            "right_where_turned_least": right_by_turn(answer, turned)[0],
+            "right_where_turned_most": right_by_turn(answer, turned)[1],
+            "sky_labelled_right": float(results["accuracy"][chosen].mean()),
+        }
+        for (method, length), answer in recognised(results).items()
+    ]
+
+
+def last_third(answer: Recognised) -> float:
+    """Share of right matches in the last third of the way [%]."""
+    last = np.arange(len(answer.score)) >= 2 * len(answer.score) // 3
+    known = last & np.isfinite(answer.score)
+    return 100.0 * float(answer.is_right[known].mean()) if known.any() else float("nan")
+
+
+def in_right_section(answer: Recognised, reference_distance: NDArray[Any], ground: Ground) -> float:
+    """Share of the matches [%] that lie in the same of the three sections of the BMX track as the truth."""
+    ends = [way_length(ground.way[ground.way[:, 1] <= end]) for end in (FOREST_END, GARDENS_END)]
+    section = np.searchsorted(ends, reference_distance)
+    known = answer.reference >= 0
+    true = section[np.rint(answer.truth[known]).astype(int)]
+    return 100.0 * float((section[answer.reference[known]] == true).mean())
+
+
+def median_precision(answer: Recognised) -> float:
+    """Median precision over the recall that a method reaches [%], weighed by recall; 0 if no match is right."""
+    curve = answer.curve
+    steps = np.diff(curve.recall, prepend=0.0)
+    if not steps.sum() > 0.0:
+        return 0.0
+    order = np.argsort(curve.precision, kind="stable")
+    share = np.cumsum(steps[order]) / steps.sum()
+    return 100.0 * float(curve.precision[order][np.searchsorted(share, 0.5)])
+
+
+def draw_runs(results: Results) -> Figure:
+    """Pictures of both passages, correspondences of four methods, precision over recall."""
+    from matplotlib.figure import Figure
+
+    answers = recognised(results)
+    figure = Figure(figsize=(DOUBLE_COLUMN, 5.6), layout="constrained")
+    parts: Any = figure.subfigures(2, 1, height_ratios=(1.25, 4.2))
+    _draw_examples(parts[0], results)
+    panels = parts[1].subplot_mosaic([["b", "c", "f"], ["d", "e", "f"]], width_ratios=(1.0, 1.0, 1.15))
+    shown = {"b": (FABMAP, 1), "c": (VANILLA, 10), "d": (SKY, 10), "e": (SINGLE, 1)}
+    for letter, key in shown.items():
+        draw_correspondence(panels[letter], answers[key])
+        name_panel(panels[letter], letter, key[0].removesuffix(", single frames"))
+        if letter in "bd":
+            panels[letter].set_ylabel("reference frame")
+        if letter in "de":
+            panels[letter].set_xlabel("query frame")
+    curves = (
+        ((FABMAP, 1), "purple", "-", FABMAP),
+        ((VANILLA, 10), "red", "-", VANILLA),
+        ((SKY_WHOLE, 1), "blue", "--", "sky, single frames"),
+        ((SKY, 10), "blue", "-", "SeqSLAM (sky), w = 10"),
+        ((SKY, 20), "blue", ":", "SeqSLAM (sky), w = 20"),
+        ((SINGLE, 1), "green", "--", SINGLE),
+        ((ROTATION, 10), "green", "-", f"{ROTATION}, w = 10"),
+    )
+    for key, colour, style, label in curves:
+        draw_curve(panels["f"], answers[key], COLOURS[colour], label, style)
+    name_panel(panels["f"], "f", "precision and recall")
+    panels["f"].set_xlabel("recall (%)")
+    panels["f"].set_ylabel("precision (%)")
+    parts[1].legend(loc="outside lower center", ncols=4)
+    return figure
+
+
+def _draw_examples(part: Any, results: Results) -> None:
+    """Three places along the way as both cameras saw them on the second passage."""
+    cell = results.cells[0]
+    cells = results.where(site_seed=SITE_SEEDS[cell.site], passage=1)
+    chosen = [cells[int(share * (len(cells) - 1))] for share in (0.15, 0.55, 0.9)]
+    panels = part.subplots(1, 6)
+    for k, place in enumerate(chosen):
+        along = results["distance"][place][results.cells[place].n_frames // 2]
+        for j, name in enumerate(("visible", "uv")):
+            axes = panels[2 * k + j]
+            draw_frame(axes, results[f"shown_{name}"][place])
+            axes.set_title(f"{name.replace('uv', 'UV')}, {along:.0f} m", loc="left")
+    along = results["distance"][chosen[0]][cell.n_frames // 2]
+    name_panel(panels[0], "a", f"visible, {along:.0f} m")
+
+
+def caption_of(results: Results, made_of: str) -> str:
+    """What the figure shows."""
+    cell = results.cells[0]
+    cells = results.where(site_seed=SITE_SEEDS[cell.site], passage=0)
+    n = len(cells) * cell.n_frames
+    n_training = sum(c.n_frames for c in results.cells if c.site_seed != SITE_SEEDS[c.site])
+    length = SITES[cell.site].length * n / cell.of_frames
+    return (
+        f"Rendered, no photographs: {length:.0f} m of {made_of}, two passages of n = {n} frames on two days, with "
+        "lane, sway, speed, light and clouds of their own. (a) Three places as both cameras see them. (b–e) Matches; "
+        "green: within 5 frames of the truth, red: farther off; line: truth. FAB-MAP and rotation matching take single "
+        f"frames, SeqSLAM sequences of 10; FAB-MAP's vocabulary is of {n_training} frames of other rendered sites. "
+        "(f) Precision over recall; w is the length of the sequences."
+    )
+
+
+def compare_runs(table: Table, published: Mapping[str, Published]) -> Sequence[Verdict]:
+    """Each published number of a figure beside ours."""
+    rows = {(row["method"], row["sequence_length"]): row for row in table}
+    names = {"vanilla": (VANILLA, 10), "FAB-MAP": (FABMAP, 1)} | {
+        "sky": (SKY, 10), "sky, w = 20": (SKY, 20), "sky, single images": (SKY_WHOLE, 1)
+    }  # fmt: skip
+    columns = {
+        "recall at full precision": "recall_at_full_precision",
+        "precision at full recall": "precision_at_full_recall",
+    }
+    sky, vanilla = rows[SKY, 10], rows[VANILLA, 10]
+    claims = {
+        "median precision of FAB-MAP": (float(rows[FABMAP, 1]["median_precision"]), 0.0),
+        "matches of FAB-MAP in the right section": (float(rows[FABMAP, 1]["in_right_section"]), 0.0),
+        "precision at full recall, sky less vanilla": _less(sky, vanilla),
+        "precision at full recall, sky, w = 20 less w = 10": _less(rows[SKY, 20], sky),
+        "precision at full recall, sky, w = 10 less single images": _less(sky, rows[SKY_WHOLE, 1]),
+        "share right in the last third, sky less vanilla": (
+            float(sky["right_in_last_third"] - vanilla["right_in_last_third"]), 0.0,
+        ),
+    }  # fmt: skip
+    verdicts = []
+    for value in published.values():
+        if value.quantity in claims:
+            ours = claims[value.quantity]
+        else:
+            what, _, who = value.quantity.partition(", ")
+            row = rows[names[who]]
+            ours = float(row[columns[what]]), float(row[f"{columns[what]}_error"])
+        verdicts.append(judge(value, *ours, why=_why(rows)))
+    return verdicts
+
+
+def _less(row: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, float]:
+    name = "precision_at_full_recall"
+    return float(row[name] - other[name]), float(np.hypot(row[f"{name}_error"], other[f"{name}_error"]))
+
+
+def _why(rows: Mapping[tuple[str, int], Mapping[str, Any]]) -> str:
+    """What was measured of the causes: orientation, exact masks, contrast, and matching in the overlap alone."""
+    shown = [(TRUE, 10), (SKY_WHOLE, 10), (SKY, 1), (POINTS, 10), (NEUTRAL, 10), (SINGLE, 1)]
+    parts = [f"{method} (w = {w}) {rows[method, w]['precision_at_full_recall']:.0f}" for method, w in shown]
+    vanilla, sky = rows[VANILLA, 10], rows[SKY, 10]
+    turned = [
+        f"{name} {row['right_where_turned_least']:.0f} and {row['right_where_turned_most']:.0f}"
+        for name, row in (("vanilla", vanilla), ("sky", sky))
+    ]
+    return (
+        f"rendered, another place; right in percent in the thirds of the frames whose cameras are turned apart least "
+        f"and most: {', '.join(turned)}; sky labelled right in {sky['sky_labelled_right']:.1f} % of the pixels; "
+        f"precision at full recall in percent of {', '.join(parts)}"
+    )

@@ -1,0 +1,199 @@
+"""Places recognised between two passages, by each method, and how right the answers are."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insectnav.angles import Floats
+from insectnav.experiments.experiment import Results
+from insectnav.experiments.stone2016_places.frames import sky_grid, sky_sampler
+from insectnav.experiments.stone2016_places.passages import true_references
+from insectnav.matching import OPENSEQSLAM_V1, build_rotation_index, difference_matrix, rotation_between, seqslam
+from insectnav.matching.rotation import RotationIndex
+from insectnav.metrics.retrieval import (
+    PrecisionRecall,
+    area_under_curve,
+    precision_at_full_recall,
+    precision_recall,
+    recall_at_full_precision,
+    right_matches,
+)
+from insectnav.vision.sphere import rotation_matrix
+
+TOLERANCE = 5  # [frame] section IV-B
+SEQUENCE = 10  # [frame] ds, section IV-B
+FLAT_BLOCK = (
+    4,
+    8,
+    8,
+    8,
+)  # rows and columns of patches of 32 × 64 pixels: patch row, its rows, patch column, its columns
+BLOCK = 20  # [frame] that the bootstrap draws together: neighbours are right or wrong together
+N_DRAWN = 200
+VANILLA, SKY, ROTATION, FABMAP = "SeqSLAM (vanilla)", "SeqSLAM (sky)", "rotation matching", "FAB-MAP"
+POINTS, TRUE, NEUTRAL = f"{SKY}, 2000 points", f"{SKY}, exact masks", f"{VANILLA}, flat patches neutral"
+SKY_WHOLE, ROTATION_LOCAL = f"{SKY}, contrast over all references", f"{ROTATION}, contrast of neighbours"
+Arrays = Mapping[str, NDArray[Any]]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recognised:
+    """Answers of one method for the queries of a passage.
+
+    Parameters
+    ----------
+    reference : (query,) matched frame, −1 where there is none
+    score : (query,) lower is better, NaN where there is no match
+    truth : (query,) true place [reference frame]
+    """
+
+    reference: NDArray[np.int64]
+    score: Floats
+    truth: Floats
+
+    @property
+    def is_right(self) -> NDArray[np.bool_]:
+        """Within five frames, (query,)."""
+        return right_matches(self.reference, self.truth, TOLERANCE)
+
+    @cached_property
+    def curve(self) -> PrecisionRecall:
+        """Precision and recall over all thresholds; recall is of the queries that have frames enough around them."""
+        return precision_recall(self.is_right, self.score)
+
+    @property
+    def kept(self) -> NDArray[np.bool_]:
+        """Matches kept at the lowest threshold with full precision, (query,); none if the best match is wrong."""
+        curve = self.curve
+        full = curve.threshold[curve.precision == 1.0]
+        with np.errstate(invalid="ignore"):
+            return self.score <= (full.max() if full.size else -np.inf)
+
+    def findings(self) -> dict[str, float]:
+        """Recall at full precision and the rest, in percent, with standard errors of a bootstrap over blocks."""
+        names = ("recall_at_full_precision", "precision_at_full_recall", "area")
+        drawn = np.array([_measures(*sample) for sample in self._samples()])
+        return dict(zip(names, _measures(self.is_right, self.score), strict=True)) | {
+            f"{name}_error": float(error) for name, error in zip(names, drawn.std(axis=0), strict=True)
+        }
+
+    def _samples(self) -> list[tuple[NDArray[np.bool_], Floats]]:
+        """Queries drawn in blocks, with replacement."""
+        n, rng = len(self.score), np.random.Generator(np.random.PCG64(0))
+        starts = rng.integers(0, max(n - BLOCK, 0) + 1, (N_DRAWN, -(-n // BLOCK)))
+        chosen = np.minimum((starts[..., None] + np.arange(BLOCK)).reshape(N_DRAWN, -1)[:, :n], n - 1)
+        usable = [some for some in chosen if np.isfinite(self.score[some]).any()]
+        return [(self.is_right[some], self.score[some]) for some in usable]
+
+
+def _measures(is_right: NDArray[np.bool_], score: Floats) -> tuple[float, float, float]:
+    """Recall at full precision, precision at full recall [%] and area under the curve [%]."""
+    curve = precision_recall(is_right, score)
+    found = recall_at_full_precision(curve), precision_at_full_recall(curve), area_under_curve(curve)
+    return tuple(100.0 * value for value in found)  # type: ignore[return-value]
+
+
+def passage_arrays(results: Results, site: str, seed: int, passage: int) -> dict[str, NDArray[Any]]:
+    """All frames of a passage, (frame, ...) arrays by name."""
+    chosen = results.where(site=site, site_seed=seed, passage=passage)
+    order = sorted(chosen.tolist(), key=lambda k: results.cells[k].first)
+    return {
+        name: values[order].reshape(-1, *values.shape[2:])
+        for name, values in results.arrays.items()
+        if not name.startswith("shown_")
+    }
+
+
+def differences(reference: Arrays, query: Arrays, method: str) -> Floats:
+    """Matrix (reference, query) of a method that compares frames by a distance; sums of absolute ones, as published."""
+    name = {VANILLA: "patches", NEUTRAL: "patches", SKY: "amplitudes", POINTS: "point_amplitudes"}
+    chosen = name.get(method, "true_amplitudes")
+    one, other = (arrays[chosen] for arrays in (reference, query))
+    if method == NEUTRAL:
+        one, other = neutral_patches(one), neutral_patches(other)
+    return difference_matrix(one, other, "openseqslam-v1")
+
+
+def neutral_patches(patches: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """The same (frame, pixel) with 127 in patches without contrast, where OpenSeqSLAM has 0."""
+    blocks = patches.reshape(-1, *FLAT_BLOCK)
+    is_flat = (blocks == 0).all(axis=(2, 4), keepdims=True)
+    return np.where(is_flat, np.uint8(127), blocks).reshape(patches.shape)
+
+
+def in_sequences(
+    matrix: Floats, truth: Floats, sequence_length: int = SEQUENCE, *, whole_contrast: bool = False
+) -> Recognised:
+    """Answers of SeqSLAM as of OpenSeqSLAM v1, from a matrix (reference, query).
+
+    With `whole_contrast` each difference is measured against those to all references instead of the ten next to it.
+    """
+    params = replace(OPENSEQSLAM_V1, sequence_length=sequence_length)
+    if whole_contrast:
+        params = replace(params, contrast_window=2 * len(matrix))
+    found = seqslam(matrix, params, workers=1)
+    return Recognised(reference=found.reference, score=found.score, truth=truth)
+
+
+def skies(arrays: Arrays) -> NDArray[np.bool_]:
+    """Masks of the sky on the directions of `sky_grid`, (frame, direction)."""
+    return np.unpackbits(arrays["sky"], axis=-1, count=sky_grid().n_directions).astype(bool)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ByRotation:
+    """What the matching over all rotations gives: answers of single frames, and a matrix for sequences.
+
+    Sequences are found with `in_sequences`, contrast over all references: that of neighbours takes the difference
+    between one part of the way and another away, which a mask of the sky, unlike grey pictures, tells in any light.
+    """
+
+    single: Recognised
+    matrix: Floats
+    tilt: Floats  # (query,) [rad] between the cameras' axes
+
+
+def by_rotation(reference: Arrays, query: Arrays, truth: Floats, size: int) -> ByRotation:
+    """Skies compared at every relative rotation, where both cameras saw."""
+    index, seen = rotation_index(reference, size), sky_sampler(size, "rings").seen
+    views = skies(query)
+    found, compared = index.match_and_compare(views, seen)
+    return ByRotation(
+        single=Recognised(reference=found.reference, score=found.ratio, truth=truth),
+        matrix=compared.T,
+        tilt=found.tilt,
+    )
+
+
+def rotation_index(arrays: Arrays, size: int) -> RotationIndex:
+    """Skies of a passage to be found by those of another."""
+    return build_rotation_index(skies(arrays), sky_sampler(size, "rings").seen, sky_grid())
+
+
+def truth_between(reference: Arrays, query: Arrays) -> Floats:
+    """True place of each query [reference frame]; frames count from the first that was rendered."""
+    return true_references(reference["distance"], query["distance"])
+
+
+def turned_apart(reference: Arrays, query: Arrays, truth: Floats) -> Floats:
+    """Angle between the camera of each query and that of its true place, mean over a sequence about it, (query,) [rad].
+
+    Sequences have eleven frames; at the ends of the passage there are fewer.
+    """
+    nearest = np.clip(np.rint(truth), 0, len(reference["distance"]) - 1).astype(int)
+    here, there = (rotation_matrix(*angles.T) for angles in (query["orientation"], reference["orientation"][nearest]))
+    angle = rotation_between(here, there)
+    length = np.ones(SEQUENCE + 1)
+    return np.asarray(np.convolve(angle, length, "same") / np.convolve(np.ones(len(angle)), length, "same"))
+
+
+def right_by_turn(answer: Recognised, turned: Floats) -> tuple[float, float]:
+    """Share of right matches [%] in the third of the queries whose cameras are turned apart least, and most."""
+    known = np.isfinite(answer.score)
+    low, high = np.quantile(turned[known], [1 / 3, 2 / 3])
+    thirds = known & (turned <= low), known & (turned >= high)
+    return tuple(100.0 * float(answer.is_right[third].mean()) for third in thirds)  # type: ignore[return-value]

@@ -1,0 +1,123 @@
+"""Answers and their measures, against closed forms and a second way to the same thing."""
+
+import numpy as np
+import pytest
+
+from insectnav.experiments.stone2016_places.car_runs import last_third, median_precision
+from insectnav.experiments.stone2016_places.frames import sky_grid
+from insectnav.experiments.stone2016_places.recognition import (
+    Recognised,
+    by_rotation,
+    in_sequences,
+    neutral_patches,
+    right_by_turn,
+    turned_apart,
+)
+from insectnav.vision.descriptors import patch_normalised
+from insectnav.vision.sphere import rotation_matrix
+
+
+def answer(reference, score, truth=None) -> Recognised:
+    truth = np.arange(len(score), dtype=float) if truth is None else truth
+    return Recognised(reference=np.asarray(reference), score=np.asarray(score, float), truth=truth)
+
+
+def test_neutral_patches_are_those_of_the_descriptor():
+    pictures = np.random.default_rng(1).integers(0, 256, (3, 32, 64), dtype=np.uint8)
+    pictures[0, 8:16, 24:40] = 200
+    pictures[2, :8] = 0
+    v1, neutral = (patch_normalised(pictures, size=None, rounded=True, flat_patch=flat) for flat in (0, 127))
+    assert not np.array_equal(v1, neutral)
+    np.testing.assert_array_equal(neutral_patches(v1), neutral)
+
+
+def test_five_frames_off_is_right_and_six_is_wrong():
+    found = answer([5, 6, -1, 3], [0.1, 0.2, np.nan, 0.3], np.array([0.0, 0.0, 2.0, 3.0]))
+    np.testing.assert_array_equal(found.is_right, [True, False, False, True])
+    np.testing.assert_array_equal(found.kept, [True, False, False, False])
+    measured = found.findings()
+    assert measured["recall_at_full_precision"] == pytest.approx(100 / 3)
+    assert measured["precision_at_full_recall"] == pytest.approx(200 / 3)
+
+
+def test_what_is_always_right_has_no_error():
+    measured = answer(np.arange(200), np.linspace(0.1, 0.9, 200)).findings()
+    for name in ("recall_at_full_precision", "precision_at_full_recall", "area"):
+        assert measured[name] == pytest.approx(100.0)
+        assert measured[f"{name}_error"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_error_of_blocks_is_that_of_independent_blocks():
+    rng = np.random.default_rng(4)
+    is_right = np.repeat(rng.random(50) < 0.5, 20)
+    reference = np.where(is_right, np.arange(1000), 5000)
+    error = answer(reference, rng.random(1000)).findings()["precision_at_full_recall_error"]
+    # Fifty blocks, each right or wrong as a whole, drawn at any place: less than 50 / √50 % and more than half of it.
+    assert 3.5 < error < 7.1
+
+
+def test_a_true_diagonal_is_followed_at_every_length():
+    n = 80
+    matrix = np.abs(np.subtract.outer(np.arange(n), np.arange(n))).astype(float)
+    matrix += np.random.default_rng(0).random((n, n))
+    for length in (1, 10, 20):
+        found = in_sequences(matrix, np.arange(n, dtype=float), length)
+        known = np.isfinite(found.score)
+        assert known.sum() == n - (0 if length == 1 else length)
+        assert found.is_right[known].all()
+
+
+def test_median_precision_weighs_recall():
+    # Recall grows at precision 1, 1, 3/5 and 4/6 in equal steps; the second of these in order is 4/6.
+    found = answer([0, 1, 90, 90, 4, 5], [1, 2, 3, 4, 5, 6])
+    assert median_precision(found) == pytest.approx(100 * 4 / 6)
+    assert median_precision(answer([90, 90], [1, 2])) == 0.0
+
+
+def test_the_last_third_counts_alone():
+    assert last_third(answer([0, 1, 2, 3, 90, 5], np.ones(6))) == pytest.approx(50.0)
+
+
+def test_turned_and_tilted_skies_are_found_with_their_tilt():
+    rng = np.random.default_rng(7)
+    grid = sky_grid()
+    axes = rng.standard_normal((6, 5, 3))
+    axes /= np.linalg.norm(axes, axis=-1, keepdims=True)
+
+    def skies(rotation):
+        looks = grid.directions @ rotation.T
+        caps = (np.einsum("nd,pkd->pkn", looks, axes) > 0.8).any(axis=1)
+        return np.packbits(~caps & (looks[:, 2] > 0.1), axis=-1)
+
+    tilt = np.deg2rad(20.0)
+    reference, query = {"sky": skies(np.eye(3))}, {"sky": skies(rotation_matrix(0.7, tilt, 0.0))}
+    found = by_rotation(reference, query, np.arange(6.0), 64)
+    np.testing.assert_array_equal(found.single.reference, np.arange(6))
+    np.testing.assert_allclose(np.rad2deg(found.tilt), 20.0, atol=1.0)
+    np.testing.assert_array_equal(np.argmin(found.matrix, axis=0), np.arange(6))
+    assert ((found.matrix >= 0.0) & (found.matrix <= 1.0)).all()
+
+
+def test_single_frames_with_contrast_over_all_references_are_the_nearest():
+    matrix = np.random.default_rng(3).random((60, 25))
+    found = in_sequences(matrix, np.zeros(25), 1, whole_contrast=True)
+    np.testing.assert_array_equal(found.reference, np.argmin(matrix, axis=0))
+    assert not np.array_equal(in_sequences(matrix, np.zeros(25), 1).reference, np.argmin(matrix, axis=0))
+
+
+def test_cameras_are_turned_apart_by_the_difference_of_their_headings_or_pitches():
+    level = np.zeros((40, 3))
+    reference = {"distance": np.arange(40.0), "orientation": level}
+    for angle in (0, 1, 2):
+        orientation = level.copy()
+        orientation[20:, angle] = 0.3
+        turned = turned_apart(reference, {"orientation": orientation}, np.arange(40.0))
+        np.testing.assert_allclose(turned[:15], 0.0, atol=1e-9)
+        np.testing.assert_allclose(turned[25:], 0.3, atol=1e-9)
+        assert turned[20] == pytest.approx(0.3 * 6 / 11)  # frames 15 to 25, of which six are turned
+
+
+def test_thirds_are_those_turned_least_and_most():
+    turned = np.linspace(0.0, 1.0, 9)
+    found = answer([0, 1, 2, 90, 90, 5, 90, 90, 8], np.ones(9))
+    assert right_by_turn(found, turned) == pytest.approx((100.0, 100 / 3))
