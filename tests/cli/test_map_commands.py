@@ -362,3 +362,30 @@ def test_a_killed_build_goes_on_where_it_was(walk: Path):
     assert pictures[0] == pictures[1]
     found = strict(command(walk, "map", "locate", "route", "winter", "--same-index", "--out", "m.csv", "--json").out)
     assert found["numbers"]["precision_of_all"] == 1.0
+
+
+def test_positions_on_earth_have_one_origin(run, walk: Path):
+    north = 1.0 / 111_132.0  # [°] of a metre near 45° north, to a part in a thousand
+
+    def track(name: str, start: int) -> None:
+        lines = [f"frame{k}.png,{45.0 + 5.0 * k * north:.9f},{7.0}" for k in range(start, N_FRAMES)]
+        (walk / name).write_text("\n".join(["file,latitude,longitude", *lines]))
+
+    track("summer.csv", 0)
+    track("winter.csv", 10)  # its first position is 50 m north of the map's
+    (walk / "metres.csv").write_text("file,x_m,y_m\nframe12.png,1,2\n")
+    built = strict(run("map", "build", "summer", "m", "--positions", "summer.csv", "--json").out)
+    assert built["origin_deg"] == [45.0, 7.0]
+    options = ("--positions", "winter.csv", "--tolerance-m", "1")
+    found = strict(run("map", "locate", "m", "winter", *options, "--out", "m.csv", "--json").out)
+    assert (found["numbers"]["judged"], found["numbers"]["right"]) == (25, 25)
+    assert found["matches"][20]["y"] == pytest.approx(100.0, abs=0.1)
+    judged = strict(run("map", "evaluate", "m.csv", *options, "--map", "m", "--json").out)
+    assert judged["numbers"]["right"] == 25
+    assert_refused(run("map", "evaluate", "m.csv", *options), "expected --map for the origin")
+    metres = ("--positions", "metres.csv", "--tolerance-m", "1")
+    words = "--positions are x and y from an origin that is not known, but those of the map are latitudes"
+    adding = ["build", "winter", "m", "--add", "--positions", "metres.csv"]
+    for arguments in (["locate", "m", "winter", *metres], adding, ["evaluate", "m.csv", *metres, "--map", "m"]):
+        assert_refused(run("map", *arguments), words)
+    assert strict(run("map", "info", "m", "--json").out)["places"] == N_FRAMES

@@ -77,3 +77,29 @@ def test_missing_views_have_no_match_one_by_one(tmp_path: Path):
     assert_array_equal(found.matches.reference, [0, 1, 2, -1, *range(4, 12)])
     assert np.isnan(found.matches.score[3])
     assert found.matches.score[4] < 0.1
+
+
+@pytest.mark.parametrize("metric", ["euclidean", "cosine", "absolute"])
+def test_single_frames_are_matched_with_the_most_alike_place(tmp_path: Path, metric: str):
+    rng = np.random.default_rng(5)
+    known = rng.normal(size=(30, 8))
+    seen = rng.normal(size=(20, 8))
+    seen[4] = np.nan
+    place_map = PlaceMap.build(tmp_path / "m", known, MapAbout(descriptor="mine", metric=metric, n_features=8))
+    params = SeqSlamParams(sequence_length=1, unique_window=4)
+    own = DescribeParams(descriptor="mine", metric=metric, is_vectors=True)
+    found = compare(place_map, seen.astype(np.float32), own, params, "auto", None).matches
+    plain = {
+        "euclidean": lambda a, b: np.linalg.norm(a - b),
+        "cosine": lambda a, b: 1 - a @ b / np.linalg.norm(a) / np.linalg.norm(b),
+        "absolute": lambda a, b: np.abs(a - b).mean(),
+    }[metric]
+    for k, query in enumerate(seen):
+        if k == 4:
+            assert found.reference[k] == -1
+            continue
+        apart = np.array([plain(place, query) for place in known])
+        best = apart.argmin()
+        others = np.abs(np.arange(30) - best) > 2
+        assert found.reference[k] == best
+        assert found.score[k] == pytest.approx(apart[best] / apart[others].min(), rel=1e-4)

@@ -13,10 +13,11 @@ from insectnav.checks import InputError
 from insectnav.datasets.positions import positions_of_frames, read_positions
 from insectnav.experiments.place_maps.locate import LocateParams, Search, truth_in_frames
 from insectnav.experiments.place_maps.located import Located, numbers, read_matches
+from insectnav.experiments.place_maps.opening import check_one_frame
 from insectnav.experiments.place_maps.page import lead_sentence
 from insectnav.experiments.place_maps.report import summary
 from insectnav.experiments.place_maps.truth import Truth, by_position
-from insectnav.matching.places import PlaceMap
+from insectnav.matching.places import MapAbout, PlaceMap
 
 NO_TRUTH = "nothing is known of the truth, expected --same-index, --truth FILE, or --positions FILE with --tolerance-m"
 
@@ -65,7 +66,8 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
         )
     elif params.truth.tolerance_m is not None:
         notes.append("without --map, only places that were matched are known: recall counts queries near one of these")
-    found = replace(found, truth=_truth(found, params, place_map is not None))
+    about = None if place_map is None else opened.about
+    found = replace(found, truth=_truth(found, params, about))
     values = numbers(found) | ({} if place_map is not None else {"places": None})
     source = "" if found.truth is None else found.truth.source
     return {
@@ -78,8 +80,8 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
     }
 
 
-def _truth(found: Located, params: LocateParams, is_whole_map: bool) -> Truth:
-    known, where = params.truth, params.frames.where
+def _truth(found: Located, params: LocateParams, about: MapAbout | None) -> Truth:
+    known, where, is_whole_map = params.truth, params.frames.where, about is not None
     if known.same_index and not is_whole_map and found.place_routes.any():
         raise InputError("the matches lie on several routes, expected --map to know where each begins")
     truth = truth_in_frames(found, known, len(found.place_names) if is_whole_map else None)
@@ -87,7 +89,11 @@ def _truth(found: Located, params: LocateParams, is_whole_map: bool) -> Truth:
         return truth
     if known.tolerance_m is None or where.positions is None:
         raise InputError(NO_TRUTH)
-    table = read_positions(where.positions, columns=where.columns)
+    table = read_positions(where.positions, columns=where.columns, origin_deg=about.origin_deg if about else None)
+    if about is not None:
+        check_one_frame(table.origin_deg, about.origin_deg)
+    elif table.origin_deg is not None:
+        raise InputError("--positions are latitudes and longitudes, expected --map for the origin of its x and y")
     if table.name is not None:
         query = positions_of_frames(table, names=found.names)
     elif table.time is not None and np.isfinite(found.times).any():

@@ -150,7 +150,6 @@ def locate(
     if not place_map.n_places:
         raise InputError(f"the map {quoted(place_map.path, 200)} is empty, expected places in it")
     given = opened(places, params.frames, about)
-    _check_origins(given.origin_deg, about, params.truth)
     describe, frames, notes = settled(given.frames, given.describe)
     if describe.descriptor == ROTATED and not describe.is_vectors:
         params = replace(params, seqslam=replace(params.seqslam, sequence_length=1))
@@ -260,15 +259,6 @@ def truth_in_frames(found: Located, known: TruthParams, n_places: int | None) ->
         source = f"straight lines between the key frames of {os.path.basename(known.key_frames)} (--key-frames)"
         return between_key_frames(found.reference, keys, known.tolerance, source)
     return None
-
-
-def _check_origins(origin_deg: tuple[float, float] | None, about: MapAbout, truth: TruthParams) -> None:
-    """Refuse to compare metres of the queries with those of a map when one of them has no place on Earth."""
-    if origin_deg is not None and about.origin_deg is None and truth.tolerance_m is not None:
-        raise InputError(
-            "--positions are latitudes and longitudes, but the positions of the map are metres from an unknown origin, "
-            "expected x and y of the same frame"
-        )
 
 
 def _warnings(found: Located, is_vectors: bool, about: MapAbout, is_same_index: bool) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+from insectnav.checks import InputError
 from insectnav.experiments.place_maps.choices import GivenOptions, chosen_params
 from insectnav.experiments.place_maps.describe import DescribeParams
 from insectnav.experiments.place_maps.frames import Frame, FrameSource, Thinning, open_frames, thinned
@@ -85,6 +86,8 @@ def opened(places: Sequence[str], params: FrameParams, about: MapAbout | None) -
     source = open_frames(places, step=step, topic=params.topic)
     describe = chosen_params(params.given, about, source.is_vectors)
     source, origin, notes = placed(source, params.where, about.origin_deg if about else None)
+    if about is not None and params.where.positions is not None:
+        check_one_frame(origin, about.origin_deg)
     left_out: list[str] = []
     thinning = replace(params.thinning, step=step // source.step) if source.step > 1 else params.thinning
     return Opened(
@@ -96,6 +99,26 @@ def opened(places: Sequence[str], params: FrameParams, about: MapAbout | None) -
         thinning=params.thinning,
         file_notes=notes,
     )
+
+
+def check_one_frame(own: Origin, of_map: Origin) -> None:
+    """Refuse to put together positions of which some are on Earth and others metres from somewhere.
+
+    Parameters
+    ----------
+    own : origin of the positions of frames, None for x and y
+    of_map : origin of the positions of the map
+
+    Raises
+    ------
+    InputError
+        If just one of them is known.
+    """
+    if (own is None) == (of_map is None):
+        return
+    kinds = ("latitudes and longitudes", "x and y from an origin that is not known")
+    mine, maps = kinds if of_map is None else kinds[::-1]
+    raise InputError(f"--positions are {mine}, but those of the map are {maps}, expected both in one frame")
 
 
 def count_frames(places: Sequence[str], params: FrameParams) -> int:

@@ -311,8 +311,17 @@ def _plot(name: str, figure: Figure, heading: str, caption: Sequence[tuple[str, 
 
 
 def _tiles(values: Mapping[str, Any]) -> list[tuple[str, str]]:
-    tiles = [(f"{values['kept']} / {values['queries']}", "queries with a match")]
-    if "precision_of_all" in values:
+    tiles = [
+        (
+            f"{values['kept']} / {values['queries']}",
+            "queries with a match" + (" that is kept" if "threshold" in values else ""),
+        )
+    ]
+    if values.get("precision_kept") is not None:
+        tiles.append((f"{values['precision_kept']:.1%}", "of these are right"))
+        if values["recall_kept"] is not None:
+            tiles.append((f"{values['recall_kept']:.1%}", "of what can be matched is found"))
+    elif "precision_of_all" in values:
         tiles += [
             (f"{values['precision_of_all']:.1%}", "of all matches are right"),
             (f"{values['recall_at_full_precision']:.1%}", "recall before the first wrong match"),
