@@ -118,8 +118,8 @@ def draw(results: Results) -> Figure:
         axes.containers[-1].set_label(column.removeprefix("precision_").replace("_", " "))
     axes.set_yticks(range(len(carried)), [row["descriptor"] for row in carried])
     axes.invert_yaxis()
-    axes.set(xlim=(0.0, 160.0), xlabel="precision of all matches (%)", xticks=range(0, 101, 20))
-    axes.legend(loc="center right")
+    axes.set(xlim=(0.0, 165.0), xlabel="precision of all matches (%)", xticks=range(0, 101, 20))
+    axes.legend(loc="lower right")
     name_panel(axes, "c", "under trees and elsewhere")
     return figure
 
