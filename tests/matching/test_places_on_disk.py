@@ -186,6 +186,21 @@ def test_a_reader_opens_while_segments_merge(tmp_path):
     assert sizes[-1] > 1
 
 
+def test_a_reader_opens_while_the_map_is_frozen(tmp_path, monkeypatch):
+    from insectnav.matching import places
+
+    made, read = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT), places.read_segments
+
+    def frozen_in_the_meantime(*given):
+        monkeypatch.setattr(places, "read_segments", read)
+        made.freeze(index=False)
+        return read(*given)
+
+    monkeypatch.setattr(places, "read_segments", frozen_in_the_meantime)
+    found = PlaceMap.open(tmp_path / "map")
+    assert (found.n_places, found.is_frozen) == (400, True)
+
+
 @pytest.mark.parametrize("index", [False, True])
 def test_queries_change_nothing_on_disk(tmp_path, index):
     made = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)

@@ -92,13 +92,22 @@ class PlaceMap:
         return cls(Path(folder))
 
     def _read(self) -> None:
-        self._record = read_record(self.path)
-        self.about, whole = self._record.about, self._record.places
+        record = read_record(self.path)
+        while True:
+            try:
+                self._segments = self._read_segments(record)
+                break
+            except DamagedError:
+                before, record = record, read_record(self.path)
+                if record == before:  # else another process has frozen the map in the meantime
+                    raise
+        self._record, self.about = record, record.about
         self._whole, self._compared, self._searched = None, None, None
-        if whole is None:
-            self._segments = read_segments(self.path, self.about, self._segments)
-        else:
-            self._segments = {whole: read_places(self.path / whole, self.about)}
+
+    def _read_segments(self, record: MapRecord) -> Segments:
+        if record.places is None:
+            return read_segments(self.path, record.about, self._segments)
+        return {record.places: read_places(self.path / record.places, record.about)}
 
     @property
     def places(self) -> PlaceArrays:
