@@ -156,7 +156,7 @@ def test_table_of_times_by_name_and_by_number(tmp_path: Path):
     path.write_text("Time [s], Filename\n0.5, outdoor/b_1.png\n1.5, outdoor/b_2.png\n")
     np.testing.assert_array_equal(times_of_frames(path, names=["b_2.jpg", "b_3.jpg"]), [1.5, np.nan])
     path.write_text("frame\ttime_ms\n7\t250\n8\t500\n")
-    np.testing.assert_array_equal(times_of_frames(path, numbers=[8, 7, 6], offset_s=1), [1.5, 1.25, np.nan])
+    np.testing.assert_array_equal(times_of_frames(path, numbers=np.array([8, 7, 6]), offset_s=1), [1.5, 1.25, np.nan])
 
 
 @pytest.mark.parametrize(

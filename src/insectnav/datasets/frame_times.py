@@ -229,7 +229,9 @@ def _looked_up(path: Path, names: Names | None, numbers: ArrayLike | None) -> Fl
         keys, wanted_keys = list(map(frame_name, texts[0])), list(map(frame_name, names or ()))
     else:
         keys = whole_numbers("frame", values[:, 1]).tolist()
-        wanted_keys = whole_numbers("numbers of frames", as_numbers("numbers", numbers or ())).tolist()
+        wanted_keys = whole_numbers(
+            "numbers of frames", as_numbers("numbers", () if numbers is None else numbers)
+        ).tolist()
     time_of: dict[str | int, float] = {}
     for row, key, seconds in zip(rows, keys, time.tolist(), strict=True):
         if time_of.setdefault(key, seconds) != seconds:
