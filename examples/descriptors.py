@@ -2,17 +2,20 @@
 # # What each descriptor costs, how large it is, and what it does not see
 #
 # Places in a rendered city, each looked at again by an eye that has turned, tilted or moved. A descriptor is of use if
-# a place stays more like itself than like any other.
+# a place stays more like itself than like any other. Descriptors of your own, of a network or another program, come as
+# arrays (frame, feature) from .npy files and are compared the same way.
 #
 #     python examples/descriptors.py [FOLDER]
 
 # %%
 import sys
+import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.ndimage import convolve
 
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, journal_style, name_panel, save_figure
 from insectnav.matching import difference_matrix
@@ -62,6 +65,35 @@ for name, describe in DESCRIPTORS.items():
         np.mean(difference_matrix(remembered, describe(views[layer]), describe.metric).argmin(axis=0) == range(30))
         for views in changed.values()
     ]
+
+# %% Bring your own: whatever wrote these files, one row a view. Here filters drawn at random stand for a network
+OWN = "own, from .npy"
+filters = np.random.default_rng(0).normal(size=(16, 5, 5))
+
+
+def own(views):
+    """Sixteen random filters, rectified, means of 7 × 12 pixels: (view, 16 × 5 × 10)."""
+    grey = views / views.mean(axis=(1, 2), keepdims=True)
+    maps = [np.maximum(convolve(view, kernel, mode="wrap"), 0) for view in grey for kernel in filters - filters.mean()]
+    return np.reshape(maps, (len(views), 16, 5, 7, 10, 12)).mean(axis=(3, 5)).reshape(len(views), -1)
+
+
+with tempfile.TemporaryDirectory() as files:
+    for name, views in {"remembered": level, **changed}.items():
+        np.save(Path(files) / f"{name}.npy", own(views["green"]).astype(np.float32))
+    remembered = np.load(Path(files) / "remembered.npy", allow_pickle=False)
+    cost[OWN] = 1e3 * seconds(own, level["green"]) / len(place)
+    size[OWN] = remembered.shape[-1]
+    found[OWN] = [
+        np.mean(
+            difference_matrix(remembered, np.load(Path(files) / f"{name}.npy", allow_pickle=False), "cosine").argmin(
+                axis=0
+            )
+            == range(30)
+        )
+        for name in changed
+    ]
+
 print(f"{'':22s}{'features':>9s}{'ms':>7s}  " + "  ".join(changes))
 for name, shares in found.items():
     row = "  ".join(f"{100 * share:{len(change) - 1}.0f}%" for change, share in zip(changes, shares, strict=True))
@@ -72,7 +104,7 @@ with journal_style():
     figure = Figure(figsize=(DOUBLE_COLUMN, 2.6), layout="constrained")
     left, middle, right = figure.subplots(1, 3, sharey=True, width_ratios=(1.0, 1.5, 1.0))
     row = np.arange(len(found))[::-1]
-    colours = [COLOURS["grey"] if name in GREY else COLOURS["blue"] for name in found]
+    colours = [COLOURS["orange" if name == OWN else "grey" if name in GREY else "blue"] for name in found]
     left.barh(row, list(cost.values()), color=colours, height=0.6)
     left.set(yticks=row, yticklabels=list(found), xscale="log", xlabel="time a view (ms)")
     name_panel(left, "a", "cost")

@@ -7,6 +7,7 @@ import pytest
 
 from insectnav.checks import InputError
 from insectnav.datasets import track_table
+from insectnav.datasets.track_table import open_table, read_columns, read_numbers
 from insectnav.datasets.tracks import read_track
 from track_files import assert_one_sentence, changed, refusal, rows, table
 
@@ -103,3 +104,25 @@ def test_a_pipe_is_read(tmp_path):
     track = read_track(pipe)
     writer.join()
     assert track.n_samples == 12
+
+
+def test_names_of_columns_stand_for_a_header(tmp_path):
+    path = tmp_path / "tracking.csv"
+    path.write_text("\n65.7,138.0,-44.4\n98.6,137.6,\n")
+    table = open_table(path, ("time_ms", "x_cm", "y_cm"))
+    assert table.header == ["time_ms", "x_cm", "y_cm"]
+    numbers, values = read_numbers(table, [2, 0])
+    assert numbers.tolist() == [2, 3]
+    assert values[0].tolist() == [-44.4, 65.7] and values[1, 1] == 98.6
+    with pytest.raises(InputError, match="row 2 has 3 cells, expected 2"):
+        open_table(path, ("time_ms", "x_cm"))
+
+
+@pytest.mark.parametrize("n_rows", [1, 1000, 2500])
+def test_words_and_a_single_column_of_numbers(n_rows, tmp_path):
+    path = tmp_path / "times.csv"
+    path.write_text("file,time_s,note\n" + "".join(f" a/{k}.png ,{k},\n\n" for k in range(n_rows)))
+    numbers, values, (names,) = read_columns(open_table(path), [1], [0])
+    assert numbers.tolist() == list(range(2, 2 * n_rows + 2, 2))
+    assert values[:, 0].tolist() == list(range(n_rows))
+    assert names == [f"a/{k}.png" for k in range(n_rows)]

@@ -68,6 +68,39 @@ def test_likelihoods_of_all_that_can_be_seen_add_up_to_1(params):
     assert_allclose(np.exp(found.log_likelihood).sum(axis=1), 1.0, rtol=1e-12)
 
 
+def test_an_inverted_index_gives_the_same_but_for_a_constant():
+    """As FAB-MAP 2.0 counts: a place by its words alone, and of a query only words that it or their parents have."""
+    tree = plain(TREE)
+
+    def gain(q, z, z_parent):
+        """ln of p(z | z_parent, place with q) over the same without it."""
+        there, not_there = (
+            sum(
+                (
+                    fabmap_oracle.of(0.39 * e, z)
+                    if tree["parent"][q] is None
+                    else fabmap_oracle.word_given(z, e, z_parent, tree["p"][q], tree["given"][q], 0.39, 0.0)
+                )
+                * fabmap_oracle.of(fabmap_oracle.exists(tree["p"][q], was_seen, 0.39, 0.0), e)
+                for e in (0, 1)
+            )
+            for was_seen in (True, False)
+        )
+        return math.log(there / not_there)
+
+    found = fabmap(PLACES, QUERIES, TREE).log_likelihood
+    for k, query in enumerate(QUERIES):
+        parents = [tree["parent"][q] for q in range(N_WORDS)]
+        active = [q for q, p in enumerate(parents) if query[q] or (p is not None and query[p])]
+        scores = []
+        for place in PLACES:
+            score = sum(gain(q, False, False) for q in np.flatnonzero(place))
+            for q in (q for q in active if place[q]):
+                score += gain(q, query[q], parents[q] is not None and query[parents[q]]) - gain(q, False, False)
+            scores.append(score)
+        assert_allclose(found[:, k] - found[0, k], np.array(scores) - scores[0], atol=1e-10)
+
+
 def test_a_word_of_a_place_is_expected_there_as_often_as_it_is_detected():
     """Without dependence and false detections: p(z = 1 | seen at L) = PzGe, which can be told by hand."""
     found = fabmap(np.eye(N_WORDS, dtype=bool), np.eye(N_WORDS, dtype=bool), TREE, FabMapParams(dependence="naive"))

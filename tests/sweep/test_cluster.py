@@ -69,7 +69,7 @@ def some_cells(*deeds: str) -> Sequence[fig_1.Cell]:
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "127.0.0.1:1", "carrier-pigeon://home", "tcp://127.0.0.1:x"])
 def test_cluster_that_is_not_there_is_told(address: str, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("insectnav.experiments.executors.CONNECT_SECONDS", 0.5)
+    monkeypatch.setattr("insectnav.workers.CONNECT_SECONDS", 0.5)
     with pytest.raises(InputError, match=r"^no Dask scheduler answers at '") as caught, executor(cluster=address):
         pass
     assert "\n" not in str(caught.value)

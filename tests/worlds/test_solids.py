@@ -1,5 +1,8 @@
 """Where an eye cannot be: inside what is closed, but not under leaves."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,9 +11,10 @@ from hypothesis import strategies as st
 from insectnav.checks import InputError
 from insectnav.worlds import load_world, render, render_panorama
 from insectnav.worlds.builders import build_world
-from insectnav.worlds.solids import check_outside_solids, count_crossings, upward_rays
+from insectnav.worlds.solids import INSIDE, N_RAYS, check_outside_solids, count_crossings, share_odd, upward_rays
 from solid_shapes import box, quad, soup, sphere, turned, world_of
 
+DATA = Path(os.environ.get("INSECTNAV_DATA") or Path(__file__).resolve().parents[3] / "shared" / "data")
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -70,6 +74,17 @@ def test_leaves_have_no_inside():
     """A closed canopy of leaves two deep, through which no sky is seen."""
     leaf = quad((-99, -99, 2), (99, -99, 2), (99, 99, 2), (-99, 99, 2))
     assert not is_inside(world_of(leaf, 1.1 * leaf), 0, 0)
+
+
+@pytest.mark.data
+def test_chance_makes_no_inside_of_plants():
+    """Among plants half of the rays are odd; at this place seven in ten of the first 33 are."""
+    path = DATA / "antworld_seville2009.npz"
+    if not path.exists():
+        pytest.skip(f"{path} is missing")
+    world, eye = load_world(path), np.array([8.7, 3.8, 0.01])
+    assert share_odd(world, eye, N_RAYS) >= INSIDE
+    assert not is_inside(world, *eye)
 
 
 @settings(max_examples=15, deadline=None)

@@ -10,6 +10,7 @@ from insectnav.cli.align_command import align
 from insectnav.cli.experiment_commands import RunInterruptedError, list_experiments, report, run
 from insectnav.cli.home_command import home
 from insectnav.cli.label_command import label
+from insectnav.cli.map_commands import map_app
 from insectnav.cli.render_command import render
 from insectnav.cli.segment_command import segment
 
@@ -46,6 +47,7 @@ app.command()(report)
 app.command()(render)
 app.command()(label)
 app.command()(align)
+app.add_typer(map_app)
 
 
 def run_command(figure: object = None) -> int:
@@ -63,7 +65,7 @@ def run_command(figure: object = None) -> int:
     except typer.TyperException as error:
         code = _refuse(error.format_message())
     except RunInterruptedError as error:
-        print(f"insectnav: interrupted, finished {error.parts} are kept: add --resume to go on", file=sys.stderr)
+        print(f"insectnav: interrupted, finished {error.parts} are kept: add {error.option} to go on", file=sys.stderr)
         return INTERRUPTED
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED

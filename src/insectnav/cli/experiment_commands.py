@@ -20,11 +20,13 @@ class RunInterruptedError(Exception):
     ----------
     parts : str
         What is kept, such as cells.
+    option : str
+        That goes on with them.
     """
 
-    def __init__(self, parts: str = "cells") -> None:
+    def __init__(self, parts: str = "cells", option: str = "--resume") -> None:
         super().__init__(parts)
-        self.parts = parts
+        self.parts, self.option = parts, option
 
 
 def list_experiments(

@@ -1,14 +1,9 @@
 """The options of `insectnav render`: a table, from which its command is made."""
 
-import inspect
 from collections.abc import Callable
-from typing import Annotated, Any
 
-import typer
+from insectnav.cli.option_tables import COUNT, FLAG, NUMBER, TEXT, TEXTS, Option, with_table
 
-NUMBER, COUNT, TEXT, TEXTS, FLAG = float | None, int | None, str | None, list[str] | None, bool
-# Name, kind, what it says in the help, the default as a person reads it, and what stands for the value.
-Option = tuple[str, Any, str, str, str | None]
 OPTIONS: tuple[Option, ...] = (
     # Which world.
     ("--seed", COUNT, "Of the world that is built", "0", None),
@@ -90,19 +85,4 @@ def with_options(command: Callable[..., None]) -> Callable[..., None]:
     ----------
     command : function of keywords
     """
-    parameters = [_parameter("world", str, typer.Argument(help=WORLD), inspect.Parameter.empty)]
-    for name, kind, about, usual, metavar in OPTIONS:
-        text = f"{about} [default: {usual}]." if usual else f"{about}."
-        option = typer.Option(name, help=text, metavar=metavar)
-        parameters.append(_parameter(_field(name), kind, option, False if kind is FLAG else None))
-    setattr(command, "__signature__", inspect.Signature(parameters))  # noqa: B010  which mypy does not know of
-    command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
-    return command
-
-
-def _field(option: str) -> str:
-    return option.removeprefix("--").replace("-", "_")
-
-
-def _parameter(name: str, kind: Any, given: Any, default: Any) -> inspect.Parameter:
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, given])
+    return with_table(command, [("world", str, WORLD, None)], OPTIONS)

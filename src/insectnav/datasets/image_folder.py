@@ -121,7 +121,22 @@ def read_image(path: str | os.PathLike[str]) -> Picture:
     name = quoted(place.name, 200)
     if place.suffix.lower() in RAW:
         return _read_raw(place, name)
-    data = _bytes(place, name)
+    return decoded_image(_bytes(place, name), name)
+
+
+def decoded_image(data: bytes, name: str) -> Picture:
+    """A picture of the bytes of a file, as `read_image` gives it.
+
+    Parameters
+    ----------
+    data : PNG, JPEG or TIFF
+    name : what to call it in a sentence
+
+    Raises
+    ------
+    InputError
+        If it is no picture, is truncated, or is too large.
+    """
     header = read_header(data)
     if header is None:
         raise InputError(f"{name} is no PNG, JPEG or TIFF picture, expected one: another kind of file under this name?")

@@ -62,7 +62,7 @@ def write_picture(path: Path, picture: Pictures) -> None:
     Parameters
     ----------
     path : Path
-        Ends in .png or .tiff.
+        Ends in .png, .tiff, or .jpg for people.
     picture : (row, column) or (row, column, 3) array
         uint8 or uint16, or float32 in a TIFF; the last axis is red, green, blue.
 

@@ -77,3 +77,37 @@ def _tiff_header(data: bytes) -> Header | None:
     offsets, lengths = tags.get(273, tags.get(324, ())), tags.get(279, tags.get(325, ()))
     end = max((offset + length for offset, length in zip(offsets, lengths, strict=False)), default=0)
     return Header("TIFF", tags[257][0], tags[256][0], 0 < end <= len(data))
+
+
+def exif_block(data: bytes) -> bytes | None:
+    """What a camera wrote beside the picture (EXIF), itself a TIFF; None where there is nothing."""
+    try:
+        if data[:4] in (b"II*\0", b"MM\0*"):
+            return data
+        if data.startswith(b"\x89PNG\r\n\x1a\n"):
+            return _png_exif(data)
+        return _jpeg_exif(data) if data.startswith(b"\xff\xd8\xff") else None
+    except (struct.error, IndexError):
+        return None
+
+
+def _png_exif(data: bytes) -> bytes | None:
+    """The chunk eXIf (PNG, third edition, section 11.3.4.5)."""
+    at = 8
+    while at + 8 <= len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        if kind == b"eXIf":
+            return data[at + 8 : at + 8 + length]
+        at += 12 + length
+    return None
+
+
+def _jpeg_exif(data: bytes) -> bytes | None:
+    """The segment APP1 that begins with Exif, before the coded picture."""
+    at = 2
+    while data[at] == 0xFF and data[at + 1] != 0xDA:
+        (length,) = struct.unpack(">H", data[at + 2 : at + 4])
+        if data[at + 1] == 0xE1 and data[at + 4 : at + 10] == b"Exif\0\0":
+            return data[at + 10 : at + 2 + length]
+        at += 2 + length
+    return None

@@ -8,11 +8,11 @@ import numpy as np
 
 from insectnav.angles import Floats, bearing, wrap
 from insectnav.checks import InputError, check_radians, check_range, quoted
-from insectnav.datasets.track_table import NUMBER, open_table, read_numbers
+from insectnav.datasets.table_columns import LENGTHS, find_columns, likely_slip, listed
+from insectnav.datasets.track_table import open_table, read_numbers
 from insectnav.records import Poses
 
 # Names of columns, and how many of the record's unit one of theirs is.
-LENGTHS = {"_m": 1.0, "_cm": 0.01, "_mm": 0.001}
 ANGLES = {"_deg": np.pi / 180, "_rad": 1.0}
 COLUMNS: Mapping[str, Mapping[str, float]] = {
     "x": {f"x{ending}": factor for ending, factor in LENGTHS.items()},
@@ -131,33 +131,16 @@ def _headings_onwards(position: Floats) -> Floats:
 
 def _choose_columns(header: list[str]) -> dict[str, tuple[int, float]]:
     """Index of the column of each meaning, and the factor of its unit."""
-    plain = [name.strip().lower() for name in header]
-    chosen: dict[str, tuple[int, float]] = {}
-    for meaning, names in COLUMNS.items():
-        found = [(index, names[name]) for index, name in enumerate(plain) if name in names]
-        if len(found) > 1:
-            labels = " and ".join(quoted(header[index].strip()) for index, _ in found[:2])
-            raise InputError(f"both {labels} could be the {meaning} column, expected one: delete the other")
-        if found:
-            chosen[meaning] = found[0]
+    chosen = find_columns(header, COLUMNS)
     absent = [meaning for meaning in NEEDED if meaning not in chosen]
     if absent:
-        _refuse_header(header, plain, absent)
+        raise InputError(
+            f"no column for {' and '.join(absent)} among {listed(header)}, expected x_m and y_m (or cm, mm)"
+            f"{likely_slip(header, absent)}"
+        )
     if chosen["x"][1] != chosen["y"][1]:
         raise InputError("x and y differ in unit, expected the same unit")
     return chosen
-
-
-def _refuse_header(header: list[str], plain: list[str], absent: list[str]) -> None:
-    found = ", ".join(quoted(name.strip()) for name in header[:12])
-    slip = ""
-    if all(NUMBER.fullmatch(name.strip()) for name in header):
-        slip = ": does the table lack its header?"
-    elif set(absent) & set(plain):
-        slip = f": which unit is {quoted(absent[0])} in?"
-    elif len(header) == 1:
-        slip = ": is the separator a tab, comma or semicolon?"
-    raise InputError(f"no column for {' and '.join(absent)} among {found}, expected x_m and y_m (or cm, mm){slip}")
 
 
 def _check_angles(name: str, values: Floats, factor: float) -> None:

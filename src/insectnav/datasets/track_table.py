@@ -43,9 +43,12 @@ class Table(NamedTuple):
     first_row: int
 
 
-def open_table(path: Path) -> Table:
-    """Header and rows of a CSV or TSV file; the header line decides on the separator."""
-    data = _read_bytes(path)
+def open_table(path: Path, columns: Sequence[str] | None = None) -> Table:
+    """Header and rows of a CSV or TSV file; the first line decides on the separator.
+
+    Names of `columns` stand for the header of a file that has none.
+    """
+    data = read_bytes(path)
     _check_text(data)
     _check_line_lengths(data)
     lines = io.TextIOWrapper(io.BytesIO(data), encoding="utf-8-sig", newline="")
@@ -58,50 +61,67 @@ def open_table(path: Path) -> Table:
         raise InputError("the file is empty, expected a header and rows of numbers")
     if len(header) > MAX_COLUMNS:
         raise InputError(f"the header names {len(header)} columns, at most {MAX_COLUMNS} are read")
-    return Table(header, rows, n_blank + 2)
+    if columns is None:
+        return Table(header, rows, n_blank + 2)
+    if len(columns) != len(header):
+        raise InputError(f"row {n_blank + 1} has {len(header)} cells, expected {len(columns)}, one for each name given")
+    return Table(list(columns), chain([header], rows), n_blank + 1)
 
 
 def read_numbers(table: Table, wanted: list[int]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64]]:
     """Row numbers (n,), and values (n, len(wanted)) of the wanted columns with NaN where missing."""
+    rows, values, _ = read_columns(table, wanted, [])
+    return rows, values
+
+
+def read_columns(
+    table: Table, wanted: list[int], words: list[int]
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float64], list[list[str]]]:
+    """Row numbers (n,), values (n, len(wanted)) with NaN where missing, and the cells of each column of words."""
     numbers, values, first_row = [], [], table.first_row
+    texts: list[list[str]] = [[] for _ in words]
     while rows := _take(table.rows, ROWS_AT_ONCE, first_row):
         is_filled = [bool(text.strip()) for text in map("".join, rows)]
         number = first_row + np.flatnonzero(is_filled)
         first_row += len(rows)
         rows = list(compress(rows, is_filled))
         _check_widths(rows, number, len(table.header))
-        columns = zip(*map(itemgetter(*wanted), rows), strict=True)
-        names = (table.header[i] for i in wanted)
-        block = [_to_numbers(cells, number, name) for cells, name in zip(columns, names, strict=False)]
-        if block:
-            numbers.append(number)
-            values.append(np.stack(block, axis=-1))
+        if not rows:
+            continue
+        block = np.empty((len(rows), len(wanted)))
+        for k, index in enumerate(wanted):
+            block[:, k] = _to_numbers(list(map(itemgetter(index), rows)), number, table.header[index])
+        for column, index in zip(texts, words, strict=True):
+            column.extend(row[index].strip() for row in rows)
+        numbers.append(number)
+        values.append(block)
     if not numbers:
         raise InputError("the file holds only a header, expected rows of numbers below it")
-    return np.concatenate(numbers), np.concatenate(values)
+    return np.concatenate(numbers), np.concatenate(values), texts
 
 
-def _read_bytes(path: Path) -> bytes:
+def read_bytes(path: Path, expected: str = "a CSV or TSV file", most: int = MAX_BYTES) -> bytes:
+    """All of a file of bounded size; refuses folders and devices."""
     try:
         if path.is_dir():
-            raise InputError("this is a folder, expected a CSV or TSV file")
+            raise InputError(f"this is a folder, expected {expected}")
         if not path.exists():
             raise InputError("no such file")
         if not (path.is_file() or path.is_fifo()):
-            raise InputError("this is a device, expected a CSV or TSV file")
-        _check_size(path.stat().st_size)
+            raise InputError(f"this is a device, expected {expected}")
+        _check_size(path.stat().st_size, most)
         with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
+            data = file.read(most + 1)
     except (OSError, UnicodeError) as error:
         reason = getattr(error, "strerror", None) or "not a possible file name"
         raise InputError(f"the file cannot be read ({reason})") from None
-    _check_size(len(data))
+    _check_size(len(data), most)
     return data
 
 
-def _check_size(n_bytes: int) -> None:
-    if n_bytes > MAX_BYTES:
-        raise InputError(f"the file is larger than {MAX_BYTES // 2**20} MB, expected a single track")
+def _check_size(n_bytes: int, most: int) -> None:
+    if n_bytes > most:
+        raise InputError(f"the file is larger than {most // 2**20} MB, expected a single track")
 
 
 def _check_text(data: bytes) -> None:

@@ -9,15 +9,21 @@ if TYPE_CHECKING:
     from insectnav.experiments.experiment import Experiment
 
 _STONE_2014 = "insectnav.experiments.stone2014_sky_segmentation"
+_STONE_2014_PLACES = "insectnav.experiments.stone2014_places"
 _STONE_2017 = "insectnav.experiments.stone2017_path_integration"
 _STONE_2016 = "insectnav.experiments.stone2016_homing"
 _STONE_2016_PLACES = "insectnav.experiments.stone2016_places"
+_RECORDINGS = "insectnav.experiments.recordings"
 _MODULES = {
     "stone2014-table-1": f"{_STONE_2014}.table_1",
     "stone2014-fig-2": f"{_STONE_2014}.fig_2",
     "stone2014-fig-3": f"{_STONE_2014}.fig_3",
     "stone2014-real-photographs": f"{_STONE_2014}.real_photographs",
     "stone2014-sensitivity": f"{_STONE_2014}.sensitivity",
+    "stone2014-fig-4ab": f"{_STONE_2014_PLACES}.fig_4ab",
+    "stone2014-fig-4cd": f"{_STONE_2014_PLACES}.fig_4cd",
+    "stone2014-descriptors-walk": f"{_STONE_2014_PLACES}.descriptors_walk",
+    "stone2014-walk-sensitivity": f"{_STONE_2014_PLACES}.walk_sensitivity",
     "stone2017-fig-4h": f"{_STONE_2017}.fig_4h",
     "stone2017-fig-5a": f"{_STONE_2017}.fig_5a",
     "stone2017-fig-5b": f"{_STONE_2017}.fig_5b",
@@ -44,6 +50,12 @@ _MODULES = {
     "stone2016-sampling": f"{_STONE_2016}.sampling",
     "stone2016-coding": f"{_STONE_2016}.coding",
     "stone2016-clutter": f"{_STONE_2016}.clutter",
+    "stone2016-fig-4-1": f"{_STONE_2016_PLACES}.fig_4_1",
+    "stone2016-fig-4-2": f"{_STONE_2016_PLACES}.fig_4_2",
+    "recordings-nordland": f"{_RECORDINGS}.nordland",
+    "recordings-sussex": f"{_RECORDINGS}.sussex",
+    "recordings-tilted-skies": f"{_RECORDINGS}.tilted_skies",
+    "recordings-constellations": f"{_RECORDINGS}.constellations",
     "stone2016-fig-5": f"{_STONE_2016_PLACES}.fig_5",
     "stone2016-fig-8": f"{_STONE_2016_PLACES}.fig_8",
     "stone2016-fig-9": f"{_STONE_2016_PLACES}.fig_9",

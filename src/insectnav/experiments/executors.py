@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import logging
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
-from insectnav.checks import InputError, quoted
-from insectnav.workers import count_workers
+from insectnav.checks import InputError
+from insectnav.workers import cluster_client, count_workers
 
 if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
-
-CONNECT_SECONDS = 10.0
 
 
 class Executor(Protocol):
@@ -84,7 +81,7 @@ def executor(workers: int | None = None, cluster: str | None = None) -> Iterator
     if cluster is not None:
         if workers is not None:
             raise InputError("both workers and cluster are given, expected one: the cluster has workers of its own")
-        with _client(cluster) as client:
+        with cluster_client(cluster) as client:
             yield Cluster(client)
     elif n_workers == 1:
         yield HereAndNow()
@@ -123,26 +120,3 @@ def _follow_parent() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = cast(Any, multiprocessing.parent_process())
     threading.Thread(target=end, daemon=True).start()
-
-
-@contextmanager
-def _client(address: str) -> Iterator[Any]:
-    try:
-        from distributed import Client
-    except ImportError:
-        raise InputError("a cluster needs Dask, which is not installed: pip install insectnav[cluster]") from None
-    logger = logging.getLogger("distributed.client")
-    level = logger.level
-    logger.setLevel(logging.CRITICAL)  # what it would tell of a lost scheduler in a traceback, an error tells as well
-    try:
-        client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
-    except (OSError, ValueError) as error:
-        reason = type(error).__name__
-        raise InputError(
-            f"no Dask scheduler answers at {quoted(address)} ({reason}), expected as in tcp://host:8786"
-        ) from None
-    else:
-        with client:
-            yield client
-    finally:
-        logger.setLevel(level)

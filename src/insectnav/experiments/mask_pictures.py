@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.checks import InputError, quoted
+from insectnav.datasets.picture_files import write_picture
 
 Bools = NDArray[np.bool_]
 
@@ -19,12 +19,12 @@ OVERLAY_SIDE = 1600  # [px] longer side of an overlay at most
 
 def write_mask(path: Path, mask: Bools, valid: Bools) -> None:
     """PNG of a mask: 255 is sky, 0 is not, 128 was left out."""
-    _write(path, np.where(valid, np.where(mask, 255, 0), LEFT_OUT_GREY).astype(np.uint8))
+    write_picture(path, np.where(valid, np.where(mask, 255, 0), LEFT_OUT_GREY).astype(np.uint8))
 
 
 def write_overlay(path: Path, picture: NDArray[Any], mask: Bools, valid: Bools) -> None:
     """JPEG of a photograph with its sky tinted and outlined, for a person to judge the mask by."""
-    _write(path, overlay(picture, mask, valid)[..., ::-1])
+    write_picture(path, overlay(picture, mask, valid))
 
 
 def overlay(picture: NDArray[Any], mask: Bools, valid: Bools) -> NDArray[np.uint8]:
@@ -54,13 +54,3 @@ def displayed(picture: NDArray[Any]) -> NDArray[np.uint8]:
         white = float(np.percentile(picture, 99.5)) or float(picture.max()) or 1.0
         picture = np.rint(np.clip(picture / white, 0.0, 1.0) * 255.0).astype(np.uint8)
     return np.repeat(picture[..., None], 3, axis=2) if picture.ndim == 2 else picture
-
-
-def _write(path: Path, picture: NDArray[np.uint8]) -> None:
-    import cv2
-
-    path.parent.mkdir(parents=True, exist_ok=True)
-    is_encoded, data = cv2.imencode(path.suffix, np.ascontiguousarray(picture))
-    if not is_encoded:
-        raise InputError(f"{quoted(path.name)} cannot be encoded")
-    path.write_bytes(data.tobytes())

@@ -1,21 +1,21 @@
 """The page on which results stand beside the published numbers: one file, without scripts, that prints well.
 
-All that comes from files goes through `_text`, which leaves nothing of HTML in it.
+All that comes from files goes through `safe_text`, which leaves nothing of HTML in it.
 """
 
 from __future__ import annotations
 
 import base64
-import html
 import os
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from urllib.parse import quote
 
 from insectnav import __version__
+from insectnav.experiments.page_parts import POLICY, page_row, page_table, safe_text
 from insectnav.experiments.published import AGREES, DIFFERS, NOT_COMPARABLE, STANDARD_ERRORS, Verdict
 from insectnav.experiments.report_style import STYLE
 from insectnav.experiments.result_folders import Result, Run
@@ -32,8 +32,6 @@ MARKS = {AGREES: "✓", DIFFERS: "≠", NOT_COMPARABLE: "○"}
 CLASSES = {AGREES: "agrees", DIFFERS: "differs", NOT_COMPARABLE: "apart"}
 WIDE = 1000  # [pixel]
 DATE = "%Y-%m-%d %H:%M"
-# Nothing is loaded from anywhere, and nothing runs, whatever a file of results may have smuggled in.
-POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +92,7 @@ def render_page(report: Report) -> str:
 <html lang="en">
 <head>
 <meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{_text(POLICY)}">
+<meta http-equiv="Content-Security-Policy" content="{safe_text(POLICY)}">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>insectnav: published numbers and ours</title>
 <link rel="icon" href="data:,">
@@ -114,19 +112,13 @@ def render_page(report: Report) -> str:
 """
 
 
-def _text(value: object) -> str:
-    """Text from anywhere, safe in HTML and in its attributes: escaped, and without what cannot be seen."""
-    shown = "".join(letter if letter.isprintable() else "\ufffd" for letter in " ".join(str(value).split()))
-    return html.escape(shown)
-
-
 def _head(report: Report) -> str:
     n_results, n_entries = len(report.with_results), len(report.entries)
     return f"""<h1>Published numbers and ours</h1>
 <p class="lead">{n_results} of {n_entries} experiments have results: of their published numbers and claims,
-{_text(counts_text(report.verdicts))}.</p>
-<p>Written {report.made.strftime(DATE)} by insectnav {_text(__version__)} (code {_text(report.code)})
-on {_text(report.machine)}, from the results in <code>{_text(report.out)}</code>.</p>
+{safe_text(counts_text(report.verdicts))}.</p>
+<p>Written {report.made.strftime(DATE)} by insectnav {safe_text(__version__)} (code {safe_text(report.code)})
+on {safe_text(report.machine)}, from the results in <code>{safe_text(report.out)}</code>.</p>
 <p>A number of ours <em>agrees</em> where it lies within what the published one stands for – its rounding, or how well
 it can be read – give or take {STANDARD_ERRORS:g} standard errors of both.
 After ± stands the standard error of ours.</p>"""
@@ -136,39 +128,22 @@ def _summary(report: Report) -> str:
     """All experiments with results, a row each."""
     columns = ("Experiment", "Shown in", *(f"{MARKS[kind]} {kind}" for kind in VERDICTS), "Scale", "Time")
     rows = "\n".join(_summary_row(entry, result, report.code) for entry, result in report.with_results)
-    return _table("summary", "All experiments with results", columns, rows)
+    return page_table("summary", "All experiments with results", columns, rows)
 
 
 def _summary_row(entry: Entry, result: Result, code: str) -> str:
     run, counts = result.run, verdict_counts(result.verdicts)
     cells = [
-        ("Shown in", f"{_text(entry.figure)}"),
+        ("Shown in", f"{safe_text(entry.figure)}"),
         *((f"{MARKS[kind]} {kind}", _count(kind, counts[kind])) for kind in VERDICTS),
-        ("Scale", _text(run.scale) + (" (other code)" if run.code != code else "")),
+        ("Scale", safe_text(run.scale) + (" (other code)" if run.code != code else "")),
         ("Time", duration_text(run.seconds)),
     ]
-    return _row(f'<a href="#{_text(entry.name)}">{_text(entry.name)}</a>', cells)
+    return page_row(f'<a href="#{safe_text(entry.name)}">{safe_text(entry.name)}</a>', cells)
 
 
 def _count(verdict: str, number: int) -> str:
     return f'<span class="verdict {CLASSES[verdict]}">{number}</span>' if number else "–"
-
-
-def _table(kind: str, caption: str, columns: Sequence[str], rows: str) -> str:
-    head = "".join(f'<th scope="col">{column}</th>' for column in columns)
-    return f"""<table class="{kind}">
-<caption>{_text(caption)}</caption>
-<thead><tr>{head}</tr></thead>
-<tbody>
-{rows}
-</tbody>
-</table>"""
-
-
-def _row(name: str, cells: Iterable[tuple[str, str]]) -> str:
-    """A row whose cells know their column, which a narrow page shows beside them."""
-    data = "".join(f'<td data-column="{column}"><div>{content}</div></td>' for column, content in cells)
-    return f'<tr><th scope="row">{name}</th>{data}</tr>'
 
 
 def _section(report: Report, entry: Entry, result: Result) -> str:
@@ -176,13 +151,13 @@ def _section(report: Report, entry: Entry, result: Result) -> str:
     notes = [*_warnings(report, result.run), *entry.notes, *result.notes]
     parts = [
         f"<h2>{_heading(entry)}</h2>",
-        f'<p class="source">{_text(entry.paper)} · <code>{_text(entry.name)}</code></p>',
-        *(f'<p class="note"><strong>Note:</strong> {_text(note)}.</p>' for note in notes),
+        f'<p class="source">{safe_text(entry.paper)} · <code>{safe_text(entry.name)}</code></p>',
+        *(f'<p class="note"><strong>Note:</strong> {safe_text(note)}.</p>' for note in notes),
         _figure(entry, result),
         _comparison(entry, result),
         _origin(report, entry, result.run),
     ]
-    return f'<section id="{_text(entry.name)}">\n' + "\n".join(part for part in parts if part) + "\n</section>"
+    return f'<section id="{safe_text(entry.name)}">\n' + "\n".join(part for part in parts if part) + "\n</section>"
 
 
 def _warnings(report: Report, run: Run) -> list[str]:
@@ -192,21 +167,21 @@ def _warnings(report: Report, run: Run) -> list[str]:
 
 
 def _heading(entry: Entry) -> str:
-    return f"{_text(entry.figure[:1].upper() + entry.figure[1:])}: {_text(entry.title)}"
+    return f"{safe_text(entry.figure[:1].upper() + entry.figure[1:])}: {safe_text(entry.title)}"
 
 
 def _figure(entry: Entry, result: Result) -> str:
     if result.picture is None:
-        return f"<p>{_text(result.caption)}</p>" if result.caption else ""
+        return f"<p>{safe_text(result.caption)}</p>" if result.caption else ""
     picture = result.picture
-    name = f"Plot for {_text(entry.figure)}"
+    name = f"Plot for {safe_text(entry.figure)}"
     is_wide = ' class="wide"' if picture.width >= WIDE else ""  # a phone scrolls it, to keep its letters legible
     data = base64.b64encode(picture.png).decode("ascii")
-    caption = f"<figcaption>{_text(result.caption)}</figcaption>\n" if result.caption else ""
+    caption = f"<figcaption>{safe_text(result.caption)}</figcaption>\n" if result.caption else ""
     return f"""<figure>
 <div class="plot" tabindex="0" role="group" aria-label="{name}">
 <img{is_wide} src="data:image/png;base64,{data}" width="{picture.width}" height="{picture.height}"
-alt="{name}: {_text(entry.title)}; its numbers are in the table below">
+alt="{name}: {safe_text(entry.title)}; its numbers are in the table below">
 </div>
 {caption}</figure>"""
 
@@ -216,19 +191,19 @@ def _comparison(entry: Entry, result: Result) -> str:
         return ""
     columns = ("Quantity", "Published", "Ours", "Verdict", "Source")
     rows = "\n".join(_verdict_row(verdict) for verdict in result.verdicts)
-    return _table("comparison", f"{entry.figure}: published and ours", columns, rows)
+    return page_table("comparison", f"{entry.figure}: published and ours", columns, rows)
 
 
 def _verdict_row(verdict: Verdict) -> str:
     mark = f'<span aria-hidden="true">{MARKS[verdict.verdict]}</span> {verdict.verdict}'
-    why = f'<p class="why">{_text(verdict.why)}</p>' if verdict.why else ""
+    why = f'<p class="why">{safe_text(verdict.why)}</p>' if verdict.why else ""
     cells = [
-        ("Published", _text(published_text(verdict))),
-        ("Ours", _text(ours_text(verdict))),
+        ("Published", safe_text(published_text(verdict))),
+        ("Ours", safe_text(ours_text(verdict))),
         ("Verdict", f'<span class="verdict {CLASSES[verdict.verdict]}">{mark}</span>{why}'),
-        ("Source", f'{_text(verdict.source)} <p class="how">{_text(verdict.how_read)}</p>'),
+        ("Source", f'{safe_text(verdict.source)} <p class="how">{safe_text(verdict.how_read)}</p>'),
     ]
-    return _row(_text(verdict.quantity), cells)
+    return page_row(safe_text(verdict.quantity), cells)
 
 
 def _origin(report: Report, entry: Entry, run: Run) -> str:
@@ -237,10 +212,10 @@ def _origin(report: Report, entry: Entry, run: Run) -> str:
     address = quote(os.fsencode(run.folder)) + "/"
     again = _commanded(entry.name, "--scale", run.scale, "--seed", str(run.seed), "--out", str(report.out))
     rows = {
-        "Scale": f"{run.scale}, seed {run.seed}, {run.n_cells} cells{_text(earlier)}",
+        "Scale": f"{run.scale}, seed {run.seed}, {run.n_cells} cells{safe_text(earlier)}",
         "Time taken": f"{duration_text(run.seconds)}, finished {run.finished.strftime(DATE)}",
-        "Made with": f"{_text(run.made_with)}; code {_text(run.code)}, key {_text(run.key)}",
-        "Files": f'<a href="{_text(address)}">{_text(run.folder)}/</a> (figure, table, data, provenance)',
+        "Made with": f"{safe_text(run.made_with)}; code {safe_text(run.code)}, key {safe_text(run.key)}",
+        "Files": f'<a href="{safe_text(address)}">{safe_text(run.folder)}/</a> (figure, table, data, provenance)',
         "Run again": again,
     }
     return "<dl>\n" + "\n".join(f"<dt>{name}</dt><dd>{content}</dd>" for name, content in rows.items()) + "\n</dl>"
@@ -249,7 +224,7 @@ def _origin(report: Report, entry: Entry, run: Run) -> str:
 def _commanded(name: str, *options: str) -> str:
     """What to type in a shell; lines end between its words where they can."""
     words = [shlex.quote(word) for word in ("insectnav", "run", name, *options)]
-    return "<code>" + " ".join(f"<span>{_text(word)}</span>" for word in words) + "</code>"
+    return "<code>" + " ".join(f"<span>{safe_text(word)}</span>" for word in words) + "</code>"
 
 
 def _not_run(report: Report) -> str:
@@ -259,7 +234,7 @@ def _not_run(report: Report) -> str:
         return ""
     items = "\n".join(
         f"<li><p>{_heading(entry)}</p>\n"
-        + "".join(f'<p class="note"><strong>Note:</strong> {_text(note)}.</p>\n' for note in entry.notes)
+        + "".join(f'<p class="note"><strong>Note:</strong> {safe_text(note)}.</p>\n' for note in entry.notes)
         + f"<p>{_commanded(entry.name, '--out', str(report.out))}</p></li>"
         for entry in entries
     )

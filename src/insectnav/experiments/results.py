@@ -26,7 +26,9 @@ ONE_CHUNK = 2**25  # [byte] smaller arrays are not divided
 RESULTS = frozenset(  # a folder of these and nothing else may be replaced
     {PROVENANCE, "figure.png", "figure.pdf", "caption.txt", "table.csv", "comparison.csv", "summary.json", "data.zarr"}
 )
-MASK_RESULTS = frozenset({"masks", "overlays", "methods.csv", "tests.csv"})  # with provenance beside them alone
+PROVEN_RESULTS = frozenset(  # with provenance beside them alone: of masks, of places
+    {"masks", "overlays", "methods.csv", "tests.csv", "matches.csv", "page.html", "figures"}
+)
 
 
 @contextmanager
@@ -69,7 +71,7 @@ def check_destination(destination: str | os.PathLike[str]) -> None:
         if final.exists() and not final.is_dir():
             raise InputError(f"--out {shown} is a file, expected a folder or a new name")
         there = {item.name for item in final.iterdir()} if final.is_dir() else set()
-        others = there - RESULTS - (MASK_RESULTS if PROVENANCE in there else set())
+        others = there - RESULTS - (PROVEN_RESULTS if PROVENANCE in there else set())
         if others:
             example = quoted(min(others))
             raise InputError(

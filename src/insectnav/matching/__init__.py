@@ -12,6 +12,8 @@ from insectnav.matching.compass import (
 from insectnav.matching.constellations import ConstellationIndex, ConstellationParams, constellation_index, locate
 from insectnav.matching.difference import METRICS, References, difference_matrix, prepare_references
 from insectnav.matching.fabmap import FabMapMatches, FabMapParams, fabmap
+from insectnav.matching.place_about import MapAbout
+from insectnav.matching.places import PlaceMap, merge_maps
 from insectnav.matching.rotation import RotationIndex, RotationParams, build_rotation_index
 from insectnav.matching.rotation_matches import RotationMatches, rotation_angles, rotation_between
 from insectnav.matching.seqslam import OPENSEQSLAM_V1, Matches, SeqSlamParams, enhance_contrast, seqslam
@@ -26,7 +28,9 @@ __all__ = [
     "ConstellationParams",
     "FabMapMatches",
     "FabMapParams",
+    "MapAbout",
     "Matches",
+    "PlaceMap",
     "References",
     "RotationIndex",
     "RotationMatches",
@@ -48,6 +52,7 @@ __all__ = [
     "fabmap",
     "locate",
     "locate_next",
+    "merge_maps",
     "nearest_view",
     "prepare_references",
     "rotation_angles",

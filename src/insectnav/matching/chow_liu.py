@@ -12,6 +12,7 @@ Reals = NDArray[np.floating[Any]]
 Bools = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 LEAST_IMAGES = 10  # of training; assumed: fewer say nothing about pairs of words
+WORDS_AT_ONCE = 64  # whose information with all others is in memory together
 LEAST_PROBABILITY = 0.01  # of a word, present or absent, whatever the training: OpenFABMAP, chowliutree.cpp
 
 
@@ -91,11 +92,11 @@ def chow_liu_tree(bags: ArrayLike) -> ChowLiuTree:
     if seen.shape[1] < 2:
         raise InputError(f"bags have {seen.shape[1]} words, expected at least 2")
     both = _counts_together(seen)
-    parent = _strongest_tree(_mutual_information(both, len(seen)))
-    word, n = np.arange(len(parent)), np.diag(both)
-    with_parent = both[word, parent]
+    n = np.diag(both).astype(np.int64)
+    parent = _strongest_tree(both, len(seen))
+    with_parent = both[np.arange(len(n)), parent].astype(np.int64)
     marginal = _kept(n, np.full(len(n), len(seen)))
-    is_root = parent == word
+    is_root = parent == np.arange(len(n))
     return ChowLiuTree(
         parent=parent,
         marginal=marginal,
@@ -114,54 +115,53 @@ def mutual_information(bags: ArrayLike) -> Reals:
         If these are no bags.
     """
     seen = checked_bags("bags", bags)
-    return _mutual_information(_counts_together(seen), len(seen))
+    if not len(seen):
+        raise InputError("bags are of no image, expected some")
+    return _information(_counts_together(seen), len(seen), slice(None))
 
 
-def _counts_together(seen: Bools) -> Integers:
-    """In how many images both words are, (word, word)."""
+def _counts_together(seen: Bools) -> Reals:
+    """In how many images both words are, (word, word); whole numbers in single precision."""
     if len(seen) >= 2**24:
         raise InputError(f"bags are of {len(seen)} images, expected fewer than {2**24}, which single precision counts")
     ones = seen.astype(np.float32)
-    return np.asarray(ones.T @ ones, np.int64)
+    return ones.T @ ones
 
 
-def _mutual_information(both: Integers, n_images: int) -> Reals:
-    from scipy.special import xlogy
+def _information(both: Reals, n_images: int, words: slice) -> Reals:
+    """Mutual information of some words with all, (some word, word) [nat].
 
-    n = np.diag(both)
-    information = np.zeros(both.shape)
-    for is_first in (True, False):
-        for is_second in (True, False):
-            one = n if is_first else n_images - n
-            other = n if is_second else n_images - n
-            if is_first and is_second:
-                together = both
-            elif is_first:
-                together = n[:, None] - both
-            elif is_second:
-                together = n - both
-            else:
-                together = n_images - n[:, None] - n + both
-            independent = np.maximum(one[:, None] * other, 1) / n_images
-            information += xlogy(together, together / independent)
-    return np.maximum(information / max(n_images, 1), 0.0)
+    ``Σ p_ab ln(p_ab / (p_a p_b))`` is ``(Σ t(n_ab) − Σ t(n_a) − Σ t(n_b) + t(n)) / n``, ``t(k) = k ln k`` of counts,
+    which are few whole numbers and are looked up.
+    """
+    count = np.arange(n_images + 1)
+    t = count * np.log(np.maximum(count, 1))
+    n = np.diag(both).astype(np.int64)
+    alone = t[n] + t[n_images - n]
+    first, together = n[words, None], both[words].astype(np.int64)
+    pairs = t[together] + t[first - together] + t[n - together] + t[n_images - first - n + together]
+    return np.asarray(np.maximum((pairs - alone[words, None] - alone + t[-1]) / n_images, 0.0))
 
 
-def _strongest_tree(information: Reals) -> Integers:
-    """Parents of the spanning tree with the greatest sum, (word,), by Prim's algorithm from the strongest edge."""
-    n = len(information)
-    weights = np.array(information)
-    np.fill_diagonal(weights, -1.0)
-    root = int(np.argmax(weights)) // n
-    parent, strength = np.full(n, root), weights[root].copy()
-    is_outside = np.ones(n, bool)
+def _strongest_tree(both: Reals, n_images: int) -> Integers:
+    """Parents of the spanning tree with the most information, (word,), by Prim's algorithm from the strongest edge."""
+    n_words = len(both)
+    root, most = 0, -1.0
+    for start in range(0, n_words, WORDS_AT_ONCE):
+        rows = _information(both, n_images, slice(start, start + WORDS_AT_ONCE))
+        rows[np.arange(len(rows)), start + np.arange(len(rows))] = -1.0
+        if rows.max() > most:
+            root, most = start + int(np.argmax(rows)) // n_words, float(rows.max())
+    parent, strength = np.full(n_words, root), _information(both, n_images, slice(root, root + 1))[0]
+    is_outside = np.ones(n_words, bool)
     is_outside[root] = False
-    for _ in range(n - 1):
+    for _ in range(n_words - 1):
         word = int(np.argmax(np.where(is_outside, strength, -np.inf)))
         is_outside[word] = False
-        is_stronger = is_outside & (weights[word] > strength)
+        weight = _information(both, n_images, slice(word, word + 1))[0]
+        is_stronger = is_outside & (weight > strength)
         parent[is_stronger] = word
-        strength[is_stronger] = weights[word, is_stronger]
+        strength[is_stronger] = weight[is_stronger]
     return parent
 
 

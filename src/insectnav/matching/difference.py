@@ -1,7 +1,7 @@
 """How different each query is from each reference."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,10 +13,7 @@ from insectnav.matching.blocks import run_blocks
 Reals = NDArray[np.floating[Any]]
 METRICS = ("cosine", "euclidean", "absolute", "hamming", "openseqslam-v1")
 QUERIES_PER_BLOCK = 64
-PRODUCTS_AT_ONCE = 2**21  # 16 MiB in double precision
-FEW_QUERIES = 4  # to which no product is made: on the move, its library's threads would cost more than they save
-FEW_FEATURES = 512  # to which products are in double precision: short vectors are often nearly the same
-NEAR = {4: 1e-2, 8: 1e-9}  # of both squares, by bytes of a number: nearer pairs are computed from the vectors
+FEW_FEATURES = 512  # to which sums are in double precision: short vectors are often nearly the same
 
 
 def difference_matrix(
@@ -36,7 +33,7 @@ def difference_matrix(
         "absolute": ``Σ |a_i − b_i| / n``;
         "hamming": share of features that differ, of bits;
         "openseqslam-v1": ``Σ |a_i − b_i|`` over the number of references, exact for bytes.
-    workers : threads, apart from those of the library for matrix products; they change nothing in the results
+    workers : threads; they change nothing in the results
 
     Returns
     -------
@@ -50,11 +47,18 @@ def difference_matrix(
 
     Notes
     -----
-    "cosine" and "euclidean" by a matrix product, in double precision up to 512 features, above in single. Of pairs that
-    are so near that its rounding would show, the difference is taken vector from vector: equal vectors differ by 0, and
-    near ones are right to five digits. "euclidean" takes the mean of the references off first.
+    Each difference is summed feature by feature, in double precision up to 512 features, above in single: equal vectors
+    differ by 0, near ones keep their digits, and a difference does not depend on what else is compared. "euclidean"
+    takes the mean of the references off first where it sums in single precision.
     """
     return prepare_references(references, metric).differences(queries, workers=workers)
+
+
+class Common(NamedTuple):
+    """What all references together decide, also where only a part of them is compared."""
+
+    n_references: int
+    middle: Reals  # (feature,) taken off each vector
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,11 +67,11 @@ class References:
 
     Parameters
     ----------
-    vectors : (reference, …) array in the form that the metric wants
+    vectors : of the references in the form that the metric wants
     is_missing : (reference,) which frames have no descriptor
     metric : one of `METRICS`
     n_features : of the descriptors
-    middle : (feature,) what is taken off each vector
+    common : what all references together decide
     has_length : (reference,) which vectors are not 0
     """
 
@@ -75,7 +79,7 @@ class References:
     is_missing: NDArray[np.bool_]
     metric: str
     n_features: int
-    middle: Reals
+    common: "Common"
     has_length: NDArray[np.bool_]
 
     def differences(self, queries: ArrayLike, *, workers: int | None = None) -> Reals:
@@ -86,27 +90,25 @@ class References:
                 f"references have {self.n_features} features and queries {vectors.shape[1]}, expected as many: "
                 "the same descriptor?"
             )
-        out = np.empty((len(vectors), len(self.vectors)), np.float32)
-        if self.metric in ("cosine", "euclidean"):
-            _by_product(self, self.in_form(vectors), workers, out)
-        else:
-            _by_sum(self, self.in_form(vectors), workers, out)
+        out = np.empty((len(vectors), len(self.is_missing)), np.float32)
+        query = _queries_in_form(self, vectors)
+        run_blocks(lambda *block: _compare(self, query, out, *block), len(vectors), QUERIES_PER_BLOCK, workers)
+        if self.metric == "cosine":
+            out[~query.any(axis=1)] = 1.0
+            out[:, ~self.has_length] = 1.0
         out[is_missing] = np.nan
         out[:, self.is_missing] = np.nan
         return out.T
 
-    def in_form(self, vectors: NDArray[Any]) -> NDArray[Any]:
-        """Vectors (frame, feature) in the form that the metric wants."""
-        return _in_form("queries", vectors, self.metric, self.middle, self.vectors.dtype)
 
-
-def prepare_references(references: ArrayLike, metric: str = "cosine") -> References:
+def prepare_references(references: ArrayLike, metric: str = "cosine", *, common: Common | None = None) -> References:
     """References brought once into the form in which queries are compared with them.
 
     Parameters
     ----------
     references, metric
         As of `difference_matrix`.
+    common : of all references, where these are a part of them
 
     Raises
     ------
@@ -115,24 +117,29 @@ def prepare_references(references: ArrayLike, metric: str = "cosine") -> Referen
     """
     check_choice("metric", metric, METRICS)
     vectors, is_missing = checked_vectors("references", references)
-    n_features = vectors.shape[1]
-    middle = np.zeros(n_features)
-    if metric in ("cosine", "euclidean"):
-        dtype = np.dtype(np.float64 if n_features <= FEW_FEATURES else np.float32)
-        if metric == "euclidean" and not is_missing.all():
-            middle = vectors[~is_missing].mean(axis=0, dtype=np.float64)
-    elif metric == "hamming":
-        dtype = np.dtype(np.uint64)
+    common = common or common_of(vectors, is_missing, metric)
+    if metric == "hamming":
+        prepared: NDArray[Any] = pack_bits("references", vectors)
+    elif vectors.dtype == np.uint8 and metric in ("absolute", "openseqslam-v1"):
+        prepared = vectors
     else:
-        dtype = vectors.dtype if vectors.dtype in (np.uint8, np.float32) else np.dtype(np.float64)
+        prepared = _beside_each_other(_scaled(vectors, metric, common))
     return References(
-        vectors=_in_form("references", vectors, metric, middle, dtype),
+        vectors=prepared,
         is_missing=is_missing,
         metric=metric,
-        n_features=n_features,
-        middle=middle,
-        has_length=np.asarray(vectors.any(axis=1)),
+        n_features=vectors.shape[1],
+        common=common,
+        has_length=np.asarray(vectors.any(axis=1)) if metric == "cosine" else ~is_missing,
     )
+
+
+def common_of(vectors: NDArray[Any], is_missing: NDArray[np.bool_], metric: str) -> Common:
+    """What all references (frame, feature) together decide."""
+    middle = np.zeros(vectors.shape[1])
+    if metric == "euclidean" and vectors.shape[1] > FEW_FEATURES and not is_missing.all():
+        middle = (vectors[~is_missing] if is_missing.any() else vectors).mean(axis=0, dtype=np.float64)
+    return Common(len(vectors), middle)
 
 
 def checked_vectors(name: str, vectors: ArrayLike) -> tuple[NDArray[Any], NDArray[np.bool_]]:
@@ -183,76 +190,61 @@ def pack_bits(name: str, vectors: NDArray[Any]) -> NDArray[np.uint64]:
     return words.view(np.uint64)
 
 
-def _in_form(name: str, vectors: NDArray[Any], metric: str, middle: Reals, dtype: np.dtype[Any]) -> NDArray[Any]:
-    if metric == "hamming":
-        return pack_bits(name, vectors)
-    if dtype == np.uint8:
+def _queries_in_form(references: References, vectors: NDArray[Any]) -> NDArray[Any]:
+    """Queries (frame, feature) in the form that they are compared in."""
+    if references.metric == "hamming":
+        return pack_bits("queries", vectors)
+    if references.vectors.dtype == np.uint8:
         if vectors.dtype != np.uint8:
             raise InputError(
-                f"{name} hold {vectors.dtype.name} values, expected bytes as the references: one option apart?"
+                f"queries hold {vectors.dtype.name} values, expected bytes as the references: one option apart?"
             )
         return vectors
+    return np.ascontiguousarray(_scaled(vectors, references.metric, references.common), references.vectors.dtype)
+
+
+def _scaled(vectors: NDArray[Any], metric: str, common: Common) -> Reals:
+    """Vectors less the middle or over their lengths, in the precision in which differences are summed."""
+    is_short = vectors.shape[1] <= FEW_FEATURES
+    if metric == "cosine":
+        return _unit(vectors, np.dtype(np.float64 if is_short else np.float32))
     if metric == "euclidean":
-        vectors = vectors - middle
-    elif metric == "cosine":
-        vectors = _unit(vectors, dtype)
-    n = vectors.shape[1]
-    in_lanes = np.zeros((len(vectors), -(-n // LANES) * LANES), dtype)
-    in_lanes[:, :n] = vectors
-    return in_lanes
+        return vectors.astype(np.float64) if is_short else (vectors - common.middle).astype(np.float32)
+    return vectors.astype(np.float32 if vectors.dtype == np.float32 else np.float64)
 
 
 def _unit(vectors: NDArray[Any], dtype: np.dtype[Any]) -> Reals:
     """Vectors over their lengths; 0 where there is no length."""
     length = np.sqrt(np.einsum("ij,ij->i", vectors, vectors, dtype=np.float64))[:, None]
     scale = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0.0)
-    return np.asarray(vectors * scale.astype(dtype))
+    return np.asarray(vectors * scale.astype(dtype)).astype(dtype, copy=False)
 
 
-def _by_product(references: References, query: NDArray[Any], workers: int | None, out: Reals) -> None:
-    from insectnav.matching.difference_kernel import finish_products
-
-    reference, is_cosine = references.vectors, references.metric == "cosine"
-    if is_cosine:
-        power = np.ones(len(query) + len(reference))
-    else:
-        power = np.concatenate([np.einsum("ij,ij->i", v, v, dtype=np.float64) for v in (query, reference)])
-    n_rows, is_few = query.shape[1] // LANES, len(query) <= FEW_QUERIES
-    least = np.inf if is_few else NEAR[reference.itemsize]  # few: all pairs vector from vector
-    size = max(QUERIES_PER_BLOCK, PRODUCTS_AT_ONCE // len(reference))
-    for start in range(0, len(query), size):
-        if is_few:
-            product = np.zeros(out.shape, reference.dtype)
-        else:
-            product = query[start : start + size] @ reference.T  # not in threads of ours, which would hinder its own
-
-        def run(first: int, last: int, start: int = start, product: Reals = product) -> None:
-            rows, piece = out[start + first : start + last], product[first:last]
-            finish_products(query, reference, n_rows, power, least, start + first, start + last, piece, out)
-            if is_cosine:
-                rows *= 0.5  # |a − b|² = 2 − 2 a·b of unit vectors
-            else:
-                np.sqrt(rows, out=rows)
-
-        run_blocks(run, len(out[start : start + size]), QUERIES_PER_BLOCK, workers)
-    if is_cosine:
-        out[~query.any(axis=1)] = 1.0
-        out[:, ~references.has_length] = 1.0
+def _beside_each_other(vectors: Reals) -> Reals:
+    """Sixteen vectors side by side, (block, feature, lane), as compiled code takes them; the last block with zeros."""
+    n, n_features = vectors.shape
+    n_whole = n // LANES
+    blocks = np.zeros((-(-n // LANES), n_features, LANES), vectors.dtype)
+    blocks[:n_whole] = vectors[: n_whole * LANES].reshape(n_whole, LANES, n_features).transpose(0, 2, 1)
+    if n % LANES:
+        blocks[-1, :, : n % LANES] = vectors[n_whole * LANES :].T
+    return blocks
 
 
-def _by_sum(references: References, query: NDArray[Any], workers: int | None, out: Reals) -> None:
+def _compare(references: References, query: NDArray[Any], out: Reals, first: int, last: int) -> None:
+    """Fill differences of the queries from first up to last, rows of (query, reference)."""
     from insectnav.matching import difference_kernel
 
-    reference = references.vectors
-    scale = float(len(reference) if references.metric == "openseqslam-v1" else references.n_features)
-    n_rows = query.shape[1] // LANES
-
-    def run(first: int, last: int) -> None:
-        if references.metric == "hamming":
-            difference_kernel.count_unequal_bits(query, reference, first, last, scale, out)
-        elif reference.dtype == np.uint8:
-            difference_kernel.sum_byte_differences(query, reference, first, last, scale, out)
-        else:
-            difference_kernel.sum_real_differences(query, reference, n_rows, first, last, scale, out)
-
-    run_blocks(run, len(query), QUERIES_PER_BLOCK, workers)
+    reference, metric = references.vectors, references.metric
+    scale = float(references.common.n_references if metric == "openseqslam-v1" else references.n_features)
+    if metric == "hamming":
+        difference_kernel.count_unequal_bits(query, reference, first, last, scale, out)
+    elif reference.dtype == np.uint8:
+        difference_kernel.sum_byte_differences(query, reference, first, last, scale, out)
+    elif metric in ("absolute", "openseqslam-v1"):
+        difference_kernel.sum_differences(query, reference, first, last, False, scale, out)
+    else:
+        is_cosine = metric == "cosine"  # |a − b|² = 2 − 2 a·b of unit vectors
+        difference_kernel.sum_differences(query, reference, first, last, True, 2.0 if is_cosine else 1.0, out)
+        if not is_cosine:
+            np.sqrt(out[first:last], out=out[first:last])

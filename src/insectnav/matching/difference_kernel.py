@@ -39,21 +39,6 @@ def add_byte_difference(typing_context: Any, total: Any, a: Any, b: Any) -> Any:
     return types.int32(types.int32, types.uint8, types.uint8), generate
 
 
-@lane_function
-def empty_lanes(like: Array) -> Array:
-    """Room for one row of lanes of this precision."""
-    return np.empty(LANES, like.dtype)
-
-
-@lane_function
-def add_lanes(lanes: Array) -> float:
-    """Sum of the lanes, in double precision."""
-    total = 0.0
-    for k in range(LANES):
-        total += lanes[k]
-    return total
-
-
 @kernel
 def sum_byte_differences(queries: Array, references: Array, first: int, last: int, scale: float, out: Array) -> None:
     """Sum of absolute differences over ``scale``, rows ``first`` … ``last`` − 1 of (query, reference); bytes, exact."""
@@ -66,22 +51,43 @@ def sum_byte_differences(queries: Array, references: Array, first: int, last: in
                 out[q, r] = total / scale
 
 
+@lane_function
+def add_term(total: Any, apart: Any, is_square: bool) -> Any:
+    """The sum with one more feature in it."""
+    return fma(apart, apart, total) if is_square else total + maximum(apart, -apart)
+
+
 @kernel
-def sum_real_differences(
-    queries: Array, references: Array, n_rows: int, first: int, last: int, scale: float, out: Array
+def sum_differences(
+    queries: Array, references: Array, first: int, last: int, is_square: bool, scale: float, out: Array
 ) -> None:
-    """Sum of absolute differences over ``scale``; vectors lie in ``n_rows`` rows of lanes each; rows as above."""
-    sums_array = empty_lanes(queries)
-    query_start, reference_start, sums = address(queries), address(references), address(sums_array)
-    for start in range(0, out.shape[1], TILE):
-        for q in range(first, last):
-            for r in range(start, min(start + TILE, out.shape[1])):
-                total = fill(0.0, load(query_start, 0))
-                for k in range(n_rows):
-                    apart = load(query_start, q * n_rows + k) - load(reference_start, r * n_rows + k)
-                    total = total + maximum(apart, -apart)
-                store(sums, 0, total)
-                out[q, r] = add_lanes(sums_array) / scale
+    """Sum of absolute or squared differences over ``scale``, rows ``first`` … ``last`` − 1 of (query, reference).
+
+    References lie side by side, (block, feature, lane). Each sum runs over the features in order, whatever else is
+    compared. Four queries share what is loaded; at the end, some of the four may be the same.
+    """
+    n, n_references = queries.shape[1], out.shape[1]
+    sums_array = np.empty((4, LANES), references.dtype)
+    query, reference, sums = address(queries), address(references), address(sums_array)
+    for block in range(len(references)):
+        n_filled = min(LANES, n_references - block * LANES)
+        for q in range(first, last, 4):
+            p0, p1, p2, p3 = q * n, min(q + 1, last - 1) * n, min(q + 2, last - 1) * n, min(q + 3, last - 1) * n
+            a = fill(0.0, load(reference, 0))
+            b, c, d = a, a, a
+            for k in range(n):
+                row = load(reference, block * n + k)
+                a = add_term(a, row - query[p0 + k], is_square)
+                b = add_term(b, row - query[p1 + k], is_square)
+                c = add_term(c, row - query[p2 + k], is_square)
+                d = add_term(d, row - query[p3 + k], is_square)
+            store(sums, 0, a / scale)
+            store(sums, 1, b / scale)
+            store(sums, 2, c / scale)
+            store(sums, 3, d / scale)
+            for i in range(min(4, last - q)):
+                for j in range(n_filled):
+                    out[q + i, block * LANES + j] = sums_array[i, j]
 
 
 @kernel
@@ -94,38 +100,3 @@ def count_unequal_bits(queries: Array, references: Array, first: int, last: int,
                 for k in range(queries.shape[1]):
                     total += count_bits(queries[q, k] ^ references[r, k])
                 out[q, r] = total / scale
-
-
-@kernel
-def finish_products(
-    queries: Array,
-    references: Array,
-    n_rows: int,
-    power: Array,
-    least: float,
-    first: int,
-    last: int,
-    product: Array,
-    out: Array,
-) -> None:
-    """Turn products of vectors into squared differences, rows as above; those of near pairs from the vectors.
-
-    ``power`` holds the squares of the queries and then those of the references; row ``first`` of the queries is row 0
-    of the product. Where the square of the difference is less than ``least`` of both squares, subtraction would leave
-    mostly rounding.
-    """
-    sums_array = empty_lanes(queries)
-    query_start, reference_start, sums = address(queries), address(references), address(sums_array)
-    n_queries = out.shape[0]
-    for q in range(first, last):
-        for r in range(out.shape[1]):
-            both = power[q] + power[n_queries + r]
-            square = both - 2.0 * product[q - first, r]
-            if square < least * both:
-                total = fill(0.0, load(query_start, 0))
-                for k in range(n_rows):
-                    apart = load(query_start, q * n_rows + k) - load(reference_start, r * n_rows + k)
-                    total = fma(apart, apart, total)
-                store(sums, 0, total)
-                square = add_lanes(sums_array)
-            out[q, r] = square

@@ -12,7 +12,7 @@ from insectnav.matching.chow_liu import ChowLiuTree, checked_bags
 Reals = NDArray[np.floating[Any]]
 Bools = NDArray[np.bool_]
 Integers = NDArray[np.int64]
-QUERIES_PER_BLOCK = 256
+QUERIES_PER_BLOCK, PLACES_PER_BLOCK = 256, 1024  # whose words are in memory as real numbers together
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,8 +106,12 @@ def fabmap(
     table = _log_table(tree, params)
     log_likelihood = _log_likelihood(references, queries, tree, table)
     log_new = _log_new_place(queries, tree, table, params)
-    query, is_seen = np.arange(len(queries)), queries.any(axis=1)
+    is_seen: Bools = np.asarray(queries.any(axis=1))
     posterior = _posterior(np.where(is_seen, np.concatenate([log_likelihood, log_new[None]]), 0.0), params)
+    return _matches(log_likelihood, posterior, is_seen)
+
+
+def _matches(log_likelihood: Reals, posterior: "_Posterior", is_seen: Bools) -> FabMapMatches:
     reference = np.argmax(posterior.log[:-1], axis=0)
 
     def known(values: Reals) -> Reals:
@@ -115,7 +119,7 @@ def fabmap(
 
     return FabMapMatches(
         np.where(is_seen, reference, -1),
-        known(posterior.smoothed[reference, query]),
+        known(posterior.smoothed[reference, np.arange(len(reference))]),
         log_likelihood,
         known(posterior.smoothed[-1]),
         known(_log_of_all_else(posterior.log, reference)),
@@ -142,26 +146,20 @@ def _log_table(tree: ChowLiuTree, params: FabMapParams) -> Reals:
 
 
 def _log_likelihood(places: Bools, queries: Bools, tree: ChowLiuTree, table: Reals) -> Reals:
-    """``ln p(query | place)``, (place, query).
-
-    A place is first taken as if nothing had been seen there and nothing in the query; what differs is a product of
-    sparse matrices, as in the inverted index of FAB-MAP 2.0.
-    """
-    from scipy.sparse import csr_array
-
-    gain = table[1] - table[0]  # (z_p, z, word) of a word that was seen at the place
-    index = csr_array(places.T.astype(np.float64))  # (word, place)
-    default = gain[0, 0] @ places.T
-    found = np.empty((len(queries), len(places)))
+    """``ln p(query | place)``, (place, query): where nothing was seen, and what each word seen there adds."""
+    gain = table[1] - table[0]  # (z_p, z, word)
+    found = np.empty((len(places), len(queries)))
     word = np.arange(tree.n_words)
     for first in range(0, len(queries), QUERIES_PER_BLOCK):
         block = slice(first, first + QUERIES_PER_BLOCK)
         z = queries[block].astype(np.int64)
         z_p = z[:, tree.parent]
-        alone = table[0, z_p, z, word].sum(axis=1)
-        more = csr_array(np.where(z | z_p, gain[z_p, z, word] - gain[0, 0], 0.0))
-        found[block] = (more @ index).toarray() + default + alone[:, None]
-    return found.T
+        more = gain[z_p, z, word].T
+        nothing = table[0, z_p, z, word].sum(axis=1)
+        for start in range(0, len(places), PLACES_PER_BLOCK):
+            part = slice(start, start + PLACES_PER_BLOCK)
+            found[part, block] = places[part].astype(np.float64) @ more + nothing
+    return found
 
 
 def _log_new_place(queries: Bools, tree: ChowLiuTree, table: Reals, params: FabMapParams) -> Reals:

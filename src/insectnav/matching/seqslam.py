@@ -1,6 +1,7 @@
 """SeqSLAM: where on a route a sequence of frames was taken, by the best line through a matrix of differences."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,7 +45,7 @@ class SeqSlamParams:
         """Steps from the first to the last frame of a sequence; even."""
         return 0 if self.sequence_length == 1 else self.sequence_length + self.sequence_length % 2
 
-    @property
+    @cached_property
     def offsets(self) -> Integers:
         """Reference frames from the start of a line to each of its frames, (speed, step)."""
         n = self.n_steps

@@ -70,7 +70,7 @@ def begin_stream(references: ArrayLike, metric: str = "cosine", params: SeqSlamP
             f"baseline is {params.baseline!r}, expected 'bound': a stream knows its least contrast at its end alone"
         )
     prepared, n = prepare_references(references, metric), params.n_steps + 1
-    n_references = len(prepared.vectors)
+    n_references = len(prepared.is_missing)
     if n_references < n:
         raise InputError(
             f"there are {n_references} references, expected at least {n} for sequences of {params.sequence_length} "
@@ -117,7 +117,7 @@ def locate_next(stream: Stream, descriptor: ArrayLike | None, time: float | None
         stream,
         contrast=np.concatenate([stream.contrast[1:], contrast]),
         is_seen=np.append(stream.is_seen[1:], is_seen),
-        times=np.append(stream.times[1:], _later(stream, time)),
+        times=np.append(stream.times[1:], later(stream.n_frames, float(stream.times[-1]), time)),
         n_frames=stream.n_frames + 1,
     )
     query, latency = stream.n_frames - half, float(after.times[-1] - after.times[half])
@@ -134,26 +134,37 @@ def locate_next(stream: Stream, descriptor: ArrayLike | None, time: float | None
 def _column(references: References, descriptor: ArrayLike | None) -> Reals:
     """Differences of one frame from all references, (1, reference); NaN if it is missing."""
     if descriptor is None:
-        return np.full((1, len(references.vectors)), np.nan, np.float32)
+        return np.full((1, len(references.is_missing)), np.nan, np.float32)
     vector = np.asarray(descriptor)
     if vector.ndim != 1:
         raise InputError(f"descriptor has shape {vector.shape}, expected (feature,): one frame at a time")
     return np.ascontiguousarray(references.differences(vector[None], workers=1).T)
 
 
-def _later(stream: Stream, time: float | None) -> float:
-    """The time of a frame, refused if it does not follow that of the frame before."""
-    before = stream.times[-1]
+def later(frame: int, before: float, time: float | None) -> float:
+    """The time of a frame [s], NaN if frames come without; refused if it does not follow that of the frame before.
+
+    Parameters
+    ----------
+    frame : its number
+    before : when the frame before it was taken [s], NaN without times
+    time : when it was taken [s]
+
+    Raises
+    ------
+    InputError
+        If it is not later, or only one of the two has a time.
+    """
     if time is None:
         if np.isfinite(before):
-            raise InputError(f"frame {stream.n_frames} has no time, expected one as the frame before has")
+            raise InputError(f"frame {frame} has no time, expected one as the frame before has")
         return np.nan
     check_finite("time", time)
-    if stream.n_frames and not np.isfinite(before):
-        raise InputError(f"frame {stream.n_frames} has a time, expected none as the frame before has none")
-    if stream.n_frames and time <= before:
+    if frame and not np.isfinite(before):
+        raise InputError(f"frame {frame} has a time, expected none as the frame before has none")
+    if frame and time <= before:
         raise InputError(
-            f"frame {stream.n_frames} was taken at {time:g} s, expected later than the one before at {before:g} s: "
+            f"frame {frame} was taken at {time:g} s, expected later than the one before at {before:g} s: "
             "out of order, or twice the same?"
         )
     return float(time)

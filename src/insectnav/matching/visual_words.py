@@ -13,7 +13,7 @@ Reals = NDArray[np.floating[Any]]
 Bools = NDArray[np.bool_]
 DETECTORS = ("sift", "orb")  # SURF, which the papers took, is in no wheel of OpenCV; AKAZE in none from version 5 on
 OWN = "own"  # features that the user found
-MAX_STEPS = 100  # of k-means; words move little after some tens
+MAX_STEPS = 30  # of k-means; words then move little
 FEATURES_AT_ONCE = 2**14  # whose distances to all words are in memory together
 
 

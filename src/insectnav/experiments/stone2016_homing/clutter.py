@@ -57,7 +57,7 @@ class Cell:
 
 def grid(scale: str) -> Sequence[Cell]:
     """Published worlds that are there, and built ones; quickly, one of each kind on a coarse grid."""
-    spacing, radii, n_worlds = (0.1, CLEARINGS, N_WORLDS) if scale == "full" else (0.2, (12.0,), 1)
+    spacing, radii, n_worlds, rays = (0.1, CLEARINGS, N_WORLDS, 4) if scale == "full" else (0.2, (12.0,), 1, 2)
     places: list[dict[str, Any]] = [
         {"label": label, "world": world, "corner": corner, "clearing": 0.0, "world_seed": 0}
         for label, (world, corner) in PLACES.items()
@@ -70,7 +70,9 @@ def grid(scale: str) -> Sequence[Cell]:
     ]
     if scale != "full":
         places = [place for place in places if place["world"] != "clearing"]
-    return [Cell(**place, heading=heading, spacing=spacing) for place in places for heading in HEADINGS]
+    return [
+        Cell(**place, heading=heading, spacing=spacing, supersampling=rays) for place in places for heading in HEADINGS
+    ]
 
 
 def simulate(cell: Cell, seed: int) -> Arrays:

@@ -56,10 +56,8 @@ class Cell:
 def grid(scale: str) -> Sequence[Cell]:
     """The thesis's grid of 2 cm, and that of the 2018 code; quickly, one of 20 cm."""
     world = stage("clearing")
-    return [
-        Cell(world=world, corner=CORNERS[world], spacing=spacing)
-        for spacing in ((0.02, 0.1) if scale == "full" else (0.2,))
-    ]
+    spacings, rays = ((0.02, 0.1), 4) if scale == "full" else ((0.2,), 2)
+    return [Cell(world=world, corner=CORNERS[world], spacing=spacing, supersampling=rays) for spacing in spacings]
 
 
 def simulate(cell: Cell, seed: int) -> Arrays:
@@ -120,7 +118,7 @@ def draw(results: Results) -> Figure:
         for k, (axes, title) in enumerate(zip(row, TITLES.values(), strict=True)):
             image = _draw_surface(axes, arrays["distance"][k], arrays["is_inside"][k], cell.corner)
             area = float(arrays["area"][k])
-            name_panel(axes, next(letters), f"{title}\n{100.0 * cell.spacing:g} cm: {area:.2f} m²")
+            name_panel(axes, next(letters), f"{title}\n{100.0 * cell.spacing:g} cm: {area:.3g} m²")
         bar = figure.colorbar(image, ax=list(row), shrink=0.8, pad=0.01)
         bar.set_label("distance from the remembered\nview (share of the largest)")
         bar.outline.set_linewidth(0.6)
@@ -177,7 +175,7 @@ def _verdict(table: Table, value: Published) -> Verdict:
         return judge(value, float("nan"), not_comparable=f"views every {spacing} are surveyed at full scale alone")
     ours = area["retinotopic"] if what == "retinotopic area" else area["zernike"] / max(area["retinotopic"], 1e-9)
     why = (
-        f"at this place, with views every {spacing}, the areas are {area['retinotopic']:.2f} m2 (retinotopic) and "
-        f"{area['zernike']:.2f} m2 (frequency); over twenty places see stone2016-fig-4-5"
+        f"at this place, with views every {spacing}, the areas are {area['retinotopic']:.3g} m2 (retinotopic) and "
+        f"{area['zernike']:.3g} m2 (frequency); over twenty places see stone2016-fig-4-5"
     )
     return judge(value, ours, why=why)

@@ -52,10 +52,9 @@ class Cell:
 def grid(scale: str) -> Sequence[Cell]:
     """Both headings; at full scale on the thesis's grid of 2 cm, of which the 2018 code's of 10 cm is a part."""
     world = stage("clearing")
-    spacing, every = (0.02, 5) if scale == "full" else (0.2, 1)
-    return [
-        Cell(world=world, corner=CORNERS[world], heading=heading, spacing=spacing, every=every) for heading in HEADINGS
-    ]
+    spacing, every, rays = (0.02, 5, 4) if scale == "full" else (0.2, 1, 2)
+    settings: dict[str, Any] = {"spacing": spacing, "every": every, "supersampling": rays}
+    return [Cell(world=world, corner=CORNERS[world], heading=heading, **settings) for heading in HEADINGS]
 
 
 def spacings(cell: Cell) -> dict[int, float]:

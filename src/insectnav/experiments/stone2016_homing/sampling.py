@@ -55,7 +55,7 @@ class Cell:
 def grid(scale: str) -> Sequence[Cell]:
     """All numbers of rays at both headings, down to 5 cm, and most rays at 2 cm; quickly, two of them at 20 cm."""
     world = stage("clearing")
-    surveys = [(0.05, 3, rays) for rays in RAYS] + [(0.02, 3, 8)] if scale == "full" else [(0.2, 1, 1), (0.2, 1, 4)]
+    surveys = [(0.05, 3, rays) for rays in RAYS] + [(0.02, 3, 8)] if scale == "full" else [(0.2, 1, 1), (0.2, 1, 2)]
     return [
         Cell(
             world=world,
@@ -207,4 +207,6 @@ def _verdict(table: Table, value: Published) -> Verdict:
         if {"comparison": name, "heading": heading, "success_radius": RULES[0], "spacing_m": row["spacing_m"]}.items()
         <= other.items()
     ]
-    return judge(value, row[column], row[error] if error else 0.0, why=f"{each}; at {spacing}: {', '.join(more)}")
+    pixels = row["mean_area_m2"] / row["over_retinotopic"]
+    why = f"{each}; at {spacing}: {', '.join(more)}; pixels at the same headings, grid and rays: {pixels:.3g} m2"
+    return judge(value, row[column], row[error] if error else 0.0, why=why)

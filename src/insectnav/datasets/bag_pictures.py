@@ -1,0 +1,62 @@
+"""The picture in a message of a camera's driver (ROS, sensor_msgs/Image and CompressedImage)."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insectnav.checks import InputError, quoted
+from insectnav.datasets.image_folder import MAX_PIXELS, decoded_image
+
+# Encoding → bytes of a number, and the order of the bands; after sensor_msgs/image_encodings.hpp.
+ENCODINGS = {
+    "mono8": (1, ""),
+    "8UC1": (1, ""),
+    "mono16": (2, ""),
+    "16UC1": (2, ""),
+    "rgb8": (1, "rgb"),
+    "bgr8": (1, "bgr"),
+    "rgba8": (1, "rgba"),
+    "bgra8": (1, "bgra"),
+}
+
+
+def picture_of(message: Any, name: str) -> NDArray[Any]:
+    """Picture of a message, (rows, columns) or (rows, columns, 3) red, green, blue; uint8 or uint16.
+
+    Parameters
+    ----------
+    message : with `encoding`, `height`, `width`, `step` and `data`, or with `format` and `data`
+    name : what to call it in a sentence
+
+    Raises
+    ------
+    InputError
+        If the encoding is none of those that are read, or the data do not fit to it.
+    """
+    if not hasattr(message, "encoding"):
+        return decoded_image(bytes(message.data), name)
+    encoding = message.encoding
+    if encoding.startswith("bayer"):
+        raise InputError(
+            f"{name} is raw data of a colour sensor ({quoted(encoding)}), expected a picture: record the topic after "
+            "image_proc, or demosaic it first?"
+        )
+    if encoding not in ENCODINGS:
+        raise InputError(f"{name} has the encoding {quoted(encoding)}, expected one of {', '.join(ENCODINGS)}")
+    n_bytes, bands = ENCODINGS[encoding]
+    rows, columns, step = int(message.height), int(message.width), int(message.step)
+    width = columns * n_bytes * max(1, len(bands))  # a row may be longer than its pixels
+    data = np.asarray(message.data, np.uint8)
+    if not 0 < rows * columns <= MAX_PIXELS:
+        raise InputError(f"{name} has {rows} × {columns} pixels, expected 1 to {MAX_PIXELS:.0e}")
+    if step < width or data.size != rows * step:
+        raise InputError(
+            f"{name} has {data.size} bytes in rows of {step}, expected {rows} rows of at least {width} for {encoding}"
+        )
+    lines = np.ascontiguousarray(data.reshape(rows, step)[:, :width])
+    if n_bytes == 2:
+        return lines.view(">u2" if message.is_bigendian else "<u2").astype(np.uint16)
+    if not bands:
+        return lines
+    return np.ascontiguousarray(lines.reshape(rows, columns, len(bands))[..., [bands.index(band) for band in "rgb"]])

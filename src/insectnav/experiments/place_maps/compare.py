@@ -1,0 +1,222 @@
+"""Matches of queries with the places of a map: by the map's own search, after all turns, or after all rotations."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insectnav.angles import wrap
+from insectnav.checks import InputError
+from insectnav.experiments.place_maps.describe import COMPARED, ROTATED, TURNED, DescribeParams
+from insectnav.experiments.place_maps.view_cameras import grid, grid_resampler
+from insectnav.matching.compass import TurnMatrix, turn_matrix, turns_of_matches
+from insectnav.matching.difference import difference_matrix, prepare_references
+from insectnav.matching.places import MapAbout, PlaceMap
+from insectnav.matching.rotation import build_rotation_index
+from insectnav.matching.seqslam import Matches, SeqSlamParams, enhance_contrast, matches_from_lines
+
+Reals = NDArray[np.floating[Any]]
+Features = NDArray[np.float32]
+
+
+DIFFERENCES_AT_ONCE = 10_000_000
+
+
+class Compared(NamedTuple):
+    """Matches, and how each query was turned against its match.
+
+    Parameters
+    ----------
+    matches : Matches
+    angles_deg : (query, 3) heading, pitch and roll of the query in the frame of its match [°], NaN where not known;
+        None where the descriptor says nothing of it
+    """
+
+    matches: Matches
+    angles_deg: Reals | None
+
+
+def compare(
+    place_map: PlaceMap,
+    features: Features,
+    describe: DescribeParams,
+    params: SeqSlamParams,
+    search: str,
+    workers: int | None,
+) -> Compared:
+    """The place that each query matches best.
+
+    Parameters
+    ----------
+    place_map : PlaceMap
+    features : (query, feature) array, a row of NaN for a missing frame
+    describe : how they were described
+    params : how sequences are searched
+    search : "auto", "exact" or "index", as of `PlaceMap.locate`
+    workers : threads
+
+    Raises
+    ------
+    InputError
+        If they were described otherwise than the map, or are fewer than a sequence.
+    """
+    about = place_map.about
+    own = MapAbout(
+        descriptor=describe.descriptor,
+        metric=describe.used_metric,
+        n_features=features.shape[1],
+        camera="" if describe.is_vectors else describe.camera.text,
+        settings=about.settings if describe.is_vectors else describe.settings(),
+    )
+    if describe.is_vectors or describe.descriptor not in COMPARED:
+        if params.n_steps == 0 and search != "index":
+            about.check_same(own, "the queries")
+            return Compared(_most_alike(place_map, features, params, workers), None)
+        return Compared(place_map.locate(features, params, about=own, search=search, workers=workers), None)
+    about.check_same(own, "the queries")
+    if search == "index":
+        raise InputError(
+            f"--search index is given with {describe.descriptor}, expected exact or auto: all are compared"
+        )
+    if describe.descriptor == ROTATED:
+        return _rotated(place_map, features, describe)
+    return _turned(place_map, features, describe, params, workers)
+
+
+def differences(place_map: PlaceMap, places: NDArray[np.int64], features: Features, describe: DescribeParams) -> Reals:
+    """Difference of some places and some queries, (place, query), as they are compared; of rotations without any.
+
+    Parameters
+    ----------
+    place_map : PlaceMap
+    places : numbers of the places
+    features : (query, feature) array
+    describe : DescribeParams
+    """
+    known = np.asarray(place_map.descriptors[places])
+    if describe.descriptor == TURNED and not describe.is_vectors:
+        return _turn_matrix(known, features, describe, None).difference
+    return difference_matrix(known, features, place_map.about.metric)
+
+
+def _turn_matrix(known: Features, seen: Features, describe: DescribeParams, workers: int | None) -> TurnMatrix:
+    size = describe.view_size or (1, known.shape[1])
+    views = (vectors.reshape(-1, *size) for vectors in (known, seen))
+    return turn_matrix(*views, normalise=not describe.is_of_sky, workers=workers)
+
+
+def _turned(
+    place_map: PlaceMap, features: Features, describe: DescribeParams, params: SeqSlamParams, workers: int | None
+) -> Compared:
+    """Matches of views after the best of all turns: of sequences, or the most alike of single views."""
+    known, routes = np.asarray(place_map.descriptors), np.asarray(place_map.routes)
+    difference = _turn_matrix(known, features, describe, workers).difference
+    if params.n_steps == 0:
+        matches = _nearest(difference, routes, params.unique_window // 2)
+    else:
+        matches = _sequences(difference, routes, params, workers)
+    size = describe.view_size or (1, known.shape[1])
+    compass = turns_of_matches(
+        known.reshape(-1, *size), features.reshape(-1, *size), matches.reference, normalise=not describe.is_of_sky
+    )
+    angles = np.full((len(features), 3), np.nan)
+    angles[:, 0] = np.rad2deg(wrap(-compass.turn))  # the heading is that of the match less the turn
+    return Compared(matches, angles)
+
+
+def _sequences(difference: Reals, routes: NDArray[np.int64], params: SeqSlamParams, workers: int | None) -> Matches:
+    """Matches of sequences as `seqslam` gives them, with lines that stay on one route of several."""
+    n_queries = difference.shape[1]
+    if n_queries < params.n_steps + 1:
+        raise InputError(
+            f"there are {n_queries} queries, expected at least {params.n_steps + 1} for sequences of "
+            f"{params.sequence_length} steps: fewer frames than a sequence?"
+        )
+    parts = [_lines(difference[routes == route], params, workers) for route in np.unique(routes)]
+    sums, speeds = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
+    n_seen = np.convolve(~np.isnan(difference).all(axis=0), np.ones(params.n_steps + 1, np.int64), "valid")
+    start, score = np.full(sums.shape[1], -1), np.full(sums.shape[1], np.nan)
+    number, half = np.arange(len(routes)), params.unique_window // 2
+    for sequence, column in enumerate(sums.T):
+        best, finite = int(column.argmin()), column[np.isfinite(column)]
+        second = column[(np.abs(number - best) > half) | (routes != routes[best])].min(initial=np.inf)
+        is_told = finite.size and finite.max() > column[best] and 0.0 < second < np.inf
+        if is_told and 2 * n_seen[sequence] >= params.n_steps + 1:
+            start[sequence], score[sequence] = best, column[best] / second
+    speed = np.where(start >= 0, speeds[start, np.arange(len(start))], -1)
+    return matches_from_lines((start, score, speed), params, n_queries)
+
+
+def _lines(difference: Reals, params: SeqSlamParams, workers: int | None) -> tuple[Reals, NDArray[np.int64]]:
+    """Least sum of contrasts along a line from each place at each sequence, and its speed; inf where there is none."""
+    offsets, n_sequences = params.offsets, difference.shape[1] - params.n_steps
+    sums = np.full((len(difference), n_sequences), np.inf)
+    speeds = np.zeros(sums.shape, np.int64)
+    if len(difference) <= params.n_steps:
+        return sums, speeds
+    contrast = enhance_contrast(difference, params, workers=workers)
+    for speed, steps in enumerate(offsets):
+        n_starts = len(difference) - int(steps[-1])
+        if n_starts < 1:
+            continue
+        line = sum(contrast[step : step + n_starts, k : k + n_sequences] for k, step in enumerate(steps.tolist()))
+        is_better = line < sums[:n_starts]
+        sums[:n_starts][is_better], speeds[:n_starts][is_better] = np.asarray(line)[is_better], speed
+    return sums, speeds
+
+
+def _most_alike(place_map: PlaceMap, features: Features, params: SeqSlamParams, workers: int | None) -> Matches:
+    """The most alike place of each single frame, a few queries at a time."""
+    references = prepare_references(np.asarray(place_map.descriptors), place_map.about.metric)
+    routes, half = np.asarray(place_map.routes), params.unique_window // 2
+    size = max(1, DIFFERENCES_AT_ONCE // len(routes))
+    parts = [
+        _nearest(references.differences(features[first : first + size], workers=workers), routes, half)
+        for first in range(0, len(features), size)
+    ]
+    return Matches(*(np.concatenate([part[k] for part in parts]) for k in range(3)))
+
+
+def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> Matches:
+    """The most alike place of each single view; its score is its difference over the least of other places."""
+    n_places, n_queries = difference.shape
+    reference, score = np.full(n_queries, -1), np.full(n_queries, np.nan)
+    number = np.arange(n_places)
+    for query in range(n_queries):
+        column = np.where(np.isnan(difference[:, query]), np.inf, difference[:, query])
+        best = int(column.argmin())
+        if not np.isfinite(column[best]):
+            continue
+        is_other = (np.abs(number - best) > half_window) | (routes != routes[best])
+        second = float(column[is_other].min(initial=np.inf))
+        reference[query] = best
+        score[query] = column[best] / second if second > 0.0 else 1.0
+    return Matches(reference, score, np.full(n_queries, np.nan))
+
+
+def _rotated(place_map: PlaceMap, features: Features, describe: DescribeParams) -> Compared:
+    """The place that each query fits best after any rotation, over what both saw."""
+    known = np.asarray(place_map.descriptors)
+    seen = grid_resampler(describe.camera, describe.view_size or (0, 0)).seen
+    usable = np.flatnonzero(_has_sky_and_ground(known, seen))
+    if not usable.size:
+        raise InputError("no place of the map has sky and ground, expected some: missing frames, or a covered lens?")
+    index = build_rotation_index(np.clip(known[usable], 0.0, 1.0), seen, grid())
+    n_queries = len(features)
+    matches = Matches(np.full(n_queries, -1), np.full(n_queries, np.nan), np.full(n_queries, np.nan))
+    angles = np.full((n_queries, 3), np.nan)
+    queries = np.flatnonzero(_has_sky_and_ground(features, seen))
+    if queries.size:
+        found = index.match(np.clip(features[queries], 0.0, 1.0), seen)
+        matches.reference[queries] = usable[found.reference]
+        matches.score[queries] = np.where(np.isnan(found.ratio), 0.0, found.ratio)
+        angles[queries] = np.rad2deg(np.stack([found.heading, found.pitch, found.roll], axis=-1))
+    return Compared(matches, angles)
+
+
+def _has_sky_and_ground(views: Features, seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which views (view, direction) are there and have more than one value where they were seen."""
+    values = views[:, seen]
+    return np.asarray(np.isfinite(values).all(axis=1) & (np.ptp(values, axis=1) > 1e-3))

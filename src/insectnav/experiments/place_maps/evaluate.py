@@ -1,0 +1,111 @@
+"""Matches judged by what is known of the truth: those of a table, or those just made."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from insectnav.checks import InputError
+from insectnav.datasets.positions import positions_of_frames, read_positions
+from insectnav.experiments.place_maps.locate import LocateParams, Search, truth_in_frames
+from insectnav.experiments.place_maps.located import Located, numbers, read_matches
+from insectnav.experiments.place_maps.opening import check_one_frame
+from insectnav.experiments.place_maps.page import lead_sentence
+from insectnav.experiments.place_maps.report import summary
+from insectnav.experiments.place_maps.truth import Truth, by_position
+from insectnav.matching.places import MapAbout, PlaceMap
+
+NO_TRUTH = "nothing is known of the truth, expected --same-index, --truth FILE, or --positions FILE with --tolerance-m"
+
+
+def evaluate_search(search: Search, params: LocateParams, place_map: PlaceMap) -> dict[str, Any]:
+    """What matches amount to that were just made, with precision and recall at all scores.
+
+    Raises
+    ------
+    InputError
+        If nothing is known of the truth.
+    """
+    if search.found.truth is None:
+        raise InputError(NO_TRUTH)
+    return summary(search, params, place_map) | {"curve": _curve(search.found)}
+
+
+def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map: str | None) -> dict[str, Any]:
+    """What the matches of a table amount to, with precision and recall at all scores.
+
+    Parameters
+    ----------
+    path : of a table of `insectnav map locate`
+    params : of which the truth, the threshold and the positions of the queries are used
+    place_map : folder of the map; None to know of its places only what the table says
+
+    Raises
+    ------
+    InputError
+        If it is no such table, or nothing is known of the truth.
+    """
+    found = replace(read_matches(path), threshold=params.threshold)
+    notes = []
+    if place_map is not None:
+        opened = PlaceMap.open(place_map)
+        if opened.n_places < len(found.place_names):
+            raise InputError(
+                f"the table has matches up to place {len(found.place_names) - 1}, expected a map with as many: "
+                "another map?"
+            )
+        found = replace(
+            found,
+            place_names=opened.names,
+            place_positions=np.asarray(opened.positions),
+            place_routes=np.asarray(opened.routes),
+        )
+    elif params.truth.tolerance_m is not None:
+        notes.append("without --map, only places that were matched are known: recall counts queries near one of these")
+    about = None if place_map is None else opened.about
+    found = replace(found, truth=_truth(found, params, about))
+    values = numbers(found) | ({} if place_map is not None else {"places": None})
+    source = "" if found.truth is None else found.truth.source
+    return {
+        "matches": str(path),
+        "lead": lead_sentence(values),
+        "numbers": values,
+        "truth": source,
+        "notes": notes,
+        "curve": _curve(found),
+    }
+
+
+def _truth(found: Located, params: LocateParams, about: MapAbout | None) -> Truth:
+    known, where, is_whole_map = params.truth, params.frames.where, about is not None
+    if known.same_index and not is_whole_map and found.place_routes.any():
+        raise InputError("the matches lie on several routes, expected --map to know where each begins")
+    truth = truth_in_frames(found, known, len(found.place_names) if is_whole_map else None)
+    if truth is not None:
+        return truth
+    if known.tolerance_m is None or where.positions is None:
+        raise InputError(NO_TRUTH)
+    table = read_positions(where.positions, columns=where.columns, origin_deg=about.origin_deg if about else None)
+    if about is not None:
+        check_one_frame(table.origin_deg, about.origin_deg)
+    elif table.origin_deg is not None:
+        raise InputError("--positions are latitudes and longitudes, expected --map for the origin of its x and y")
+    if table.name is not None:
+        query = positions_of_frames(table, names=found.names)
+    elif table.time is not None and np.isfinite(found.times).any():
+        query = positions_of_frames(table, times=found.times, max_gap_s=where.max_gap_s)
+    else:
+        query = positions_of_frames(table, frames=np.arange(len(found.names)))
+    source = f"positions of {Path(where.positions).name} (--positions), over the ground"
+    return by_position(found.reference, query, found.place_positions, known.tolerance_m, source)
+
+
+def _curve(found: Located) -> dict[str, Any] | None:
+    curve = found.curve()
+    if curve is None:
+        return None
+    return {"precision": curve.precision, "recall": curve.recall, "threshold": curve.threshold}

@@ -1,0 +1,395 @@
+"""What is left of queries located in a map: a table, figures, a page, numbers."""
+
+from __future__ import annotations
+
+import io
+import secrets
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from insectnav.checks import InputError, quoted
+from insectnav.experiments.figures import save_figure
+from insectnav.experiments.place_maps import figures
+from insectnav.experiments.place_maps.compare import differences
+from insectnav.experiments.place_maps.describe import ROTATED, TURNED
+from insectnav.experiments.place_maps.locate import LocateParams, Search
+from insectnav.experiments.place_maps.located import Located, numbers, write_rows
+from insectnav.experiments.place_maps.page import PlacePage, Plot, lead_sentence, render_page
+from insectnav.experiments.place_maps.pairs import chosen_pairs, shown_pairs
+from insectnav.experiments.place_maps.thumbnails import find_thumbnails, picture_of
+from insectnav.experiments.place_maps.truth import quantity
+from insectnav.experiments.results import (
+    PROVENANCE,
+    check_destination,
+    provenance,
+    results_folder,
+    to_json,
+    written_to,
+)
+from insectnav.matching.places import PlaceMap
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Caption = list[tuple[str, str]]  # letter of a panel, and what it shows
+PRECISION_CAPTION = [
+    ("a", "Precision over recall as ever worse scores are kept; the dot keeps all."),
+    ("b", "Scores of right and wrong matches: a robot keeps those below a threshold that parts them."),
+]
+TABLE, PAGE, SUMMARY, FIGURES = "matches.csv", "page.html", "summary.json", "figures"
+SAID = {  # of the numbers: what they are called, how they are written, what they are
+    "queries": ("Queries", "d", "frames that were looked for"),
+    "places": ("Places", "d", "in the map"),
+    "matched": ("Matched", "d", "queries with a match, whatever its score"),
+    "kept": ("Kept", "d", "matches whose score is at most the threshold; all where there is none"),
+    "score_median": ("Score, median", ".3f", "of all matches: 0 is unique, 1 as good as another place"),
+    "speed_median": ("Speed, median", ".2f", "places of the map per query"),
+    "judged": ("Judged", "d", "matches of which it is known whether they are right"),
+    "can_be_matched": (
+        "Can be matched",
+        "d",
+        "queries whose place is in the map and that have a whole sequence about them",
+    ),
+    "right": ("Right", "d", "matches within the tolerance"),
+    "kept_judged": ("Kept and judged", "d", "matches kept of which it is known whether they are right"),
+    "kept_right": ("Kept and right", "d", "of these"),
+    "precision_of_all": ("Precision of all matches", ".1%", "right matches of all that are judged, at full recall"),
+    "recall_of_all": ("Recall of all matches", ".1%", "right matches of all queries that can be matched"),
+    "recall_at_full_precision": ("Recall at 100 % precision", ".1%", "of the best matches before the first wrong one"),
+    "threshold_of_full_precision": ("Score of the same", ".3f", "up to which no match is wrong: a --threshold"),
+    "area": ("Area under the curve", ".3f", "of precision over recall, by steps"),
+    "threshold": ("Threshold", ".3f", "given"),
+    "precision_kept": ("Precision of what is kept", ".1%", "right matches of those kept"),
+    "recall_kept": ("Recall of what is kept", ".1%", "right matches kept of all queries that can be matched"),
+    "error_median": ("Error, median", ".3g", "from the true place, of the matches kept"),
+    "error_mean": ("Error, mean", ".3g", "of the same"),
+    "error_90_percent": ("Error, 90 %", ".3g", "nine of ten matches are nearer"),
+    "error_largest": ("Error, largest", ".3g", "of the same"),
+}
+
+
+def summary(search: Search, params: LocateParams, place_map: PlaceMap) -> dict[str, Any]:
+    """Everything that a program may want to know, but for the rows of the table.
+
+    Parameters
+    ----------
+    search : Search
+    params : LocateParams
+    place_map : PlaceMap
+    """
+    truth, about = search.found.truth, place_map.about
+    values = numbers(search.found)
+    return {
+        "map": str(place_map.path),
+        "lead": lead_sentence(values),
+        "numbers": values,
+        "truth": None if truth is None else truth.source,
+        "settings": {
+            "descriptor": about.descriptor,
+            "metric": about.metric,
+            "camera": about.camera,
+            **dict(about.settings),
+            **vars(search.seqslam),
+            "search": params.search,
+            "threshold": params.threshold,
+            "taken": params.frames.thinning.in_words,
+        },
+        "seconds": dict(search.seconds),
+        "notes": list(search.notes),
+    }
+
+
+def table_text(found: Located) -> str:
+    """The table of matches as CSV."""
+    text = io.StringIO(newline="")
+    write_rows(text, found.rows())
+    return text.getvalue()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Destinations:
+    """Where results go; made by `given`.
+
+    Parameters
+    ----------
+    table, page, folder : files and folder, None where there is none
+    """
+
+    table: str | None
+    page: str | None
+    folder: str | None
+
+    @classmethod
+    def given(cls, table: str | None, page: str | None, folder: str | None, usual: str) -> Destinations:
+        """What the user said, else the usual folder; refused before any work is done.
+
+        Raises
+        ------
+        InputError
+            If a file is there, or a place cannot be written.
+        """
+        for option, path in (("--out", table), ("--page", page)):
+            if path is not None:
+                _check_new_file(option, Path(path))
+        if folder is None and table is None and page is None:
+            folder = usual
+        if folder is not None:
+            check_destination(folder)
+        return cls(table=table, page=page, folder=folder)
+
+    @property
+    def written(self) -> dict[str, str]:
+        """What is written where, for a person."""
+        found = {}
+        if self.folder is not None:
+            found["page to look at"] = str(Path(self.folder) / PAGE)
+            found["table, figures and numbers"] = self.folder
+        if self.page is not None:
+            found["page"] = self.page
+        if self.table is not None:
+            found["matches"] = self.table
+        return found
+
+
+def leave(
+    places: Destinations, search: Search, params: LocateParams, place_map: PlaceMap, title: str
+) -> dict[str, Any]:
+    """Table, page, figures and numbers where they are wanted: the summary.
+
+    Parameters
+    ----------
+    places : Destinations
+    search : Search
+    params : LocateParams
+    place_map : PlaceMap
+    title : of the page
+    """
+    result = summary(search, params, place_map)
+    table = table_text(search.found)
+    if places.folder is not None:
+        with results_folder(places.folder) as folder, written_to(places.folder):
+            (folder / TABLE).write_text(table, encoding="utf-8", newline="")
+            (folder / FIGURES).mkdir()
+            page = page_text(search, params, place_map, title, folder / FIGURES)
+            (folder / PAGE).write_text(page, encoding="utf-8")
+            (folder / SUMMARY).write_text(to_json(result) + "\n", encoding="utf-8")
+            made = provenance(sum(search.seconds.values()))
+            (folder / PROVENANCE).write_text(to_json(made) + "\n", encoding="utf-8")
+    if places.page is not None:
+        _write_whole("--page", Path(places.page), page_text(search, params, place_map, title))
+    if places.table is not None:
+        _write_whole("--out", Path(places.table), table)
+    return result
+
+
+def _check_new_file(option: str, path: Path) -> None:
+    """Refuse a file that is there, unless it was made by the same option, and a place that cannot be written."""
+    shown = quoted(path, 200)
+    if path.is_dir():
+        raise InputError(f"{option} {shown} is a folder, expected the name of a file")
+    if path.exists():
+        raise InputError(f"{option} {shown} exists, expected a new name: remove it first")
+    if not path.absolute().parent.is_dir():
+        raise InputError(f"{option} {shown} is in a folder that does not exist, expected one that does")
+
+
+def _write_whole(option: str, path: Path, text: str) -> None:
+    """A file that appears whole or not at all."""
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    try:
+        temporary.write_text(text, encoding="utf-8", newline="")
+        temporary.replace(path)
+    except OSError as error:
+        raise InputError(f"{option} {quoted(path, 200)} cannot be written ({error.strerror})") from None
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def page_text(search: Search, params: LocateParams, place_map: PlaceMap, title: str, folder: Path | None = None) -> str:
+    """The page as HTML; figures go into the folder, too, as PNG and PDF.
+
+    Parameters
+    ----------
+    search : Search
+    params : LocateParams
+    place_map : PlaceMap
+    title : heading
+    folder : for the figures; None to have them on the page alone
+    """
+    found = search.found
+    wanted = [query for _, query in chosen_pairs(found)]
+    pictures = find_thumbnails(place_map.path, sorted({int(found.reference[query]) for query in wanted}))
+    pairs = shown_pairs(found, search.pictures, pictures)
+    drawn = _drawn(search, place_map)
+    if folder is not None:
+        for name, figure, _, _ in drawn:
+            save_figure(figure, folder, name)
+        shown = [(p.title, picture_of(p.query[0]), picture_of(p.match[0])) for p in pairs]
+        both = [(pair_title, one, two) for pair_title, one, two in shown if one is not None and two is not None]
+        if both:
+            save_figure(figures.draw_pairs(both), folder, "pairs")
+    values = numbers(found)
+    return render_page(
+        PlacePage(
+            title=title,
+            lead=lead_sentence(values),
+            tiles=_tiles(values),
+            plots=[_plot(name, figure, heading, caption) for name, figure, heading, caption in drawn],
+            pairs=pairs,
+            numbers=_in_words(values),
+            settings=_settings(search, params, place_map),
+            notes=search.notes,
+            command=["insectnav", *sys.argv[1:]] if Path(sys.argv[0]).name.startswith("insectnav") else (),
+            made=datetime.now().astimezone(),
+        )
+    )
+
+
+def _drawn(search: Search, place_map: PlaceMap) -> list[tuple[str, Figure, str, list[tuple[str, str]]]]:
+    """Name, figure, heading and caption of all that can be drawn."""
+    found = search.found
+    places, queries = (figures.drawn_numbers(n) for n in (len(found.place_names), len(found.names)))
+    difference = differences(place_map, places, search.features[queries], search.describe)
+    drawings = [
+        ("matches", figures.draw_matches(found, difference, places, queries), "Matches", _match_caption(search)),
+        ("precision", figures.draw_precision(found), "Precision and recall", PRECISION_CAPTION),
+        ("route", figures.draw_route(found), "Along the route", _route_caption(found)),
+    ]
+    return [(name, figure, heading, text) for name, figure, heading, text in drawings if figure is not None]
+
+
+def _match_caption(search: Search) -> Caption:
+    truth, describe = search.found.truth, search.describe
+    kinds = "right ones green, wrong ones red crosses" if truth is not None else "in blue"
+    line = f"; the line is the truth: {truth.source}" if truth is not None else ""
+    how = describe.used_metric
+    if not describe.is_vectors:
+        how = {TURNED: "after the best turn", ROTATED: "without any rotation"}.get(describe.descriptor, how)
+    return [
+        ("a", f"The match of each query in the map, {kinds}{line}."),
+        ("b", f"How different each query is from each place ({how}), dark where alike, with the matches in it."),
+        ("c", "Scores: 0 where a match is unique, 1 where another place fits as well."),
+    ]
+
+
+def _has_wrong(found: Located) -> bool:
+    """Whether a match that is kept is known to be wrong."""
+    return found.truth is not None and bool((found.is_kept & found.truth.is_known & ~found.truth.is_right).any())
+
+
+def _route_caption(found: Located) -> Caption:
+    """What the figure of the route shows, panel by panel."""
+    said = []
+    if np.isfinite(found.place_positions[:, :2]).all(axis=1).any():
+        own = "where the queries were" if found.query_positions is not None else "where their matches are"
+        text = f"Grey: the places of the map; marks: {own}"
+        if found.truth is not None and found.query_positions is not None and _has_wrong(found):
+            text += "; red lines lead from a query to its wrong match"
+        said.append(text)
+    if found.truth is not None and np.isfinite(found.truth.error).any():
+        said.append("Distance of each match from the truth")
+    if found.angles_deg is not None and np.isfinite(found.angles_deg).any():
+        said.append("How each query was turned against its match: headings clockwise, nose up, right side down")
+    return [(letter, f"{text}.") for letter, text in zip("abc", said, strict=False)]
+
+
+def _plot(name: str, figure: Figure, heading: str, caption: Sequence[tuple[str, str]]) -> Plot:
+    from insectnav.experiments.figures import journal_style
+
+    data = io.BytesIO()
+    with journal_style():
+        figure.savefig(data, format="png", dpi=200, metadata={"Software": None})
+    png = data.getvalue()
+    size = (int.from_bytes(png[16:20], "big"), int.from_bytes(png[20:24], "big"))
+    return Plot(name=name, heading=heading, caption=caption, png=png, size=size)
+
+
+def _tiles(values: Mapping[str, Any]) -> list[tuple[str, str]]:
+    tiles = [
+        (
+            f"{values['kept']} / {values['queries']}",
+            "queries with a match" + (" that is kept" if "threshold" in values else ""),
+        )
+    ]
+    if values.get("precision_kept") is not None:
+        tiles.append((f"{values['precision_kept']:.1%}", "of these are right"))
+        if values["recall_kept"] is not None:
+            tiles.append((f"{values['recall_kept']:.1%}", "of what can be matched is found"))
+    elif "precision_of_all" in values:
+        tiles += [
+            (f"{values['precision_of_all']:.1%}", "of all matches are right"),
+            (f"{values['recall_at_full_precision']:.1%}", "recall before the first wrong match"),
+        ]
+    if "error_median" in values:
+        tiles.append((quantity(values["error_median"], values["unit"]), "off in the median"))
+    if "precision_of_all" not in values:
+        tiles.append((f"{values['score_median']:.2f}", "median score (0 unique, 1 ambiguous)"))
+        if np.isfinite(values["speed_median"]):
+            tiles.append((f"{values['speed_median']:.2f}", "places per query"))
+    return tiles
+
+
+def _in_words(values: Mapping[str, Any]) -> list[tuple[str, str, str]]:
+    rows = []
+    for name, (title, form, what) in SAID.items():
+        value = values.get(name)
+        if value is None or (isinstance(value, float) and not np.isfinite(value)):
+            continue
+        shown = quantity(value, values["unit"]) if name.startswith("error") else format(value, form)
+        rows.append((title, shown, what))
+    if "tolerance" in values:
+        rows.append(("Tolerance", quantity(values["tolerance"], values["unit"]), "up to which a match is right"))
+    return rows
+
+
+def _search_in_words(search: Search, by: str) -> str:
+    """How matches were found, with the lengths that windows of places have on the ground."""
+    seqslam, found = search.seqslam, search.found
+    steps = np.linalg.norm(np.diff(found.place_positions[:, :2], axis=0), axis=1)[np.diff(found.place_routes) == 0]
+    known = steps[np.isfinite(steps)]
+
+    def places(count: int) -> str:
+        return f"{count} places" + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
+
+    around = places(seqslam.unique_window // 2)
+    if not seqslam.n_steps:
+        return (
+            "frames one by one, the most alike place; the score is its difference over the least of all places farther "
+            f"than {around} from it"
+        )
+    return (
+        f"SeqSLAM (Milford & Wyeth 2012): sequences of {seqslam.n_steps + 1} frames, {seqslam.slowest:g} to "
+        f"{seqslam.fastest:g} places per query, contrast over {places(seqslam.contrast_window)}, score against all "
+        f"starts farther than {around}; search {by}"
+    )
+
+
+def _settings(search: Search, params: LocateParams, place_map: PlaceMap) -> list[tuple[str, str]]:
+    """Everything that was set or assumed."""
+    found = search.found
+    origin = place_map.about.origin_deg
+    rows = [
+        ("Map", f"{place_map.path}, {place_map.n_places} places on {int(found.place_routes.max()) + 1} routes"),
+        *search.describe.in_words(),
+        ("Frames taken", params.frames.thinning.in_words),
+        ("Matched by", _search_in_words(search, params.search)),
+        ("Threshold", "none: all matches are kept" if found.threshold is None else f"scores up to {found.threshold:g}"),
+        ("Truth", "none is known" if found.truth is None else f"{found.truth.source}, right within "
+         + quantity(found.truth.tolerance, found.truth.unit)),
+    ]  # fmt: skip
+    if found.truth is not None:
+        rows.append(
+            ("Recall counts", "queries whose place is in the map and that have a whole sequence about them; a query "
+             "that cannot be judged counts for nothing")
+        )  # fmt: skip
+    if origin is not None:
+        rows.append(("Origin of x and y", f"latitude {origin[0]:.6f}°, longitude {origin[1]:.6f}° (x east, y north)"))
+    describing, matching = search.seconds["describing"], search.seconds["matching"]
+    rows.append(("Time taken", f"{describing:.2f} s to read and describe, {matching:.2f} s to match"))
+    return rows

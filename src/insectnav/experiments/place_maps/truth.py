@@ -1,0 +1,260 @@
+"""Which matches are right: by the number of the frame, by a table of pairs, or by where the frames were taken."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insectnav.checks import InputError, check_range, quoted
+from insectnav.metrics.place_truth import true_matches_by_frames
+
+Reals = NDArray[np.floating[Any]]
+Integers = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+MAX_BYTES = 1_000_000_000  # of a table
+QUERY_COLUMNS, REFERENCE_COLUMNS = ("query", "query_name"), ("reference", "reference_name")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Truth:
+    """What is known of the true places of the queries.
+
+    Parameters
+    ----------
+    reference : (query,) number of the true place in the map, the nearest one where there are several; NaN where it is
+        not known, or not in the map
+    error : (query,) how far each match is from the truth, in `unit`; NaN where there is no match or no truth
+    is_known : (query,) whether the match can be judged
+    is_in_map : (query,) whether a right match exists
+    tolerance : error up to which a match is right
+    unit : "m" or "frames"
+    source : where the truth is from, in words
+    """
+
+    reference: Reals
+    error: Reals
+    is_known: Bools
+    is_in_map: Bools
+    tolerance: float
+    unit: str
+    source: str
+
+    @property
+    def is_right(self) -> Bools:
+        """Whether each match is within the tolerance."""
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.is_known & (self.error <= self.tolerance))
+
+
+def quantity(value: float, unit: str) -> str:
+    """A number with its unit, as a person writes it: 0.25 m, 1 frame, 2 frames."""
+    return f"{value:.3g} {'frame' if unit == 'frames' and value == 1.0 else unit}"
+
+
+def same_index(matched: Integers, routes: Integers, tolerance: float, *, is_whole_map: bool = True) -> Truth:
+    """Truth of two recordings frame by frame in step: query k was taken at place k of each route.
+
+    Parameters
+    ----------
+    matched : (query,) number of the place of each, −1 where there is none
+    routes : (place,) number of the route of each place
+    tolerance : [frame]
+    is_whole_map : whether these are all places; if not, every query is taken to have one
+    """
+    check_range("tolerance-frames", tolerance, 0.0, np.inf)
+    firsts = {int(route): int(np.argmax(routes == route)) for route in np.unique(routes)}
+    within = np.arange(len(routes)) - np.array([firsts[int(route)] for route in routes], np.int64)
+    query = np.arange(len(matched))
+    error = np.where(matched >= 0, np.abs(within[np.maximum(matched, 0)] - query), np.nan)
+    is_in_map = (query <= within.max(initial=-1)) | (not is_whole_map)
+    reference = np.where(is_in_map, query, np.nan)
+    if len(firsts) > 1:  # in the route of the match
+        own = np.array([firsts[int(routes[place])] for place in np.maximum(matched, 0)])
+        reference = np.where(matched >= 0, own + query, reference)
+    return Truth(
+        reference=reference,
+        error=error,
+        is_known=np.ones(len(matched), bool),
+        is_in_map=is_in_map,
+        tolerance=float(tolerance),
+        unit="frames",
+        source="query k was taken at place k of each route (--same-index)",
+    )
+
+
+def from_pairs(matched: Integers, pairs: Mapping[int, int], tolerance: float, source: str, n_references: int) -> Truth:
+    """Truth of a table: the place of each query, −1 for one that is not in the map; others are not judged.
+
+    Parameters
+    ----------
+    matched : (query,) number of the place of each, −1 where there is none
+    pairs : number of the place by the number of the query
+    tolerance : [frame]
+    source : in words
+    n_references : places in the map
+    """
+    check_range("tolerance-frames", tolerance, 0.0, np.inf)
+    reference, is_known = np.full(len(matched), np.nan), np.zeros(len(matched), bool)
+    for query, place in pairs.items():
+        if not 0 <= query < len(matched) or not -1 <= place < n_references:
+            raise InputError(
+                f"the truth pairs query {query} with place {place}, expected queries 0 to {len(matched) - 1} and "
+                f"places 0 to {n_references - 1}, or −1 for none: of another map, or thinned otherwise?"
+            )
+        is_known[query] = True
+        reference[query] = np.nan if place < 0 else place
+    is_in_map = np.isfinite(reference)
+    error = np.where((matched >= 0) & is_in_map, np.abs(matched - reference), np.nan)
+    return Truth(
+        reference=reference,
+        error=error,
+        is_known=is_known,
+        is_in_map=is_in_map,
+        tolerance=float(tolerance),
+        unit="frames",
+        source=source,
+    )
+
+
+def between_key_frames(matched: Integers, key_frames: Reals, tolerance: float, source: str) -> Truth:
+    """Truth between frames that a person has matched; queries before the first and after the last are not judged.
+
+    Parameters
+    ----------
+    matched : (query,) number of the place of each, −1 where there is none
+    key_frames : (key frame, 2) numbers of queries and places, as of `metrics.place_truth.true_matches_by_frames`
+    tolerance : [frame]
+    source : in words
+    """
+    check_range("tolerance-frames", tolerance, 0.0, np.inf)
+    true = true_matches_by_frames(key_frames, np.arange(len(matched)))
+    return Truth(
+        reference=true.reference,
+        error=np.where(matched >= 0, np.abs(matched - true.reference), np.nan),
+        is_known=np.asarray(true.is_known),
+        is_in_map=np.asarray(true.can_be_matched),
+        tolerance=float(tolerance),
+        unit="frames",
+        source=source,
+    )
+
+
+def by_position(
+    matched: Integers, query_positions: Reals, reference_positions: Reals, tolerance: float, source: str
+) -> Truth:
+    """Truth by distance over the ground between where a query and its match were taken.
+
+    Parameters
+    ----------
+    matched : (query,) number of the place of each, −1 where there is none
+    query_positions : (query, 2 or 3) array [m]; NaN where it is not known: such queries are not judged
+    reference_positions : (place, 2 or 3) array [m]; a match with a place of unknown position is not judged
+    tolerance : [m]
+    source : in words
+    """
+    check_range("tolerance-m", tolerance, 0.0, np.inf)
+    query, places = query_positions[:, :2], reference_positions[:, :2]
+    has_position, has_place = (np.asarray(np.isfinite(one).all(axis=1)) for one in (query, places))
+    if not has_position.any() or not has_place.any():
+        what = "query" if not has_position.any() else "place of the map"
+        raise InputError(f"no {what} has a position, expected some for a truth by --positions: other names or times?")
+    nearest, distance = _nearest(query, places)
+    error = np.where(matched >= 0, np.linalg.norm(query - places[np.maximum(matched, 0)], axis=1), np.nan)
+    return Truth(
+        reference=np.where(has_position, nearest, np.nan),
+        error=error,
+        is_known=has_position & ((matched < 0) | has_place[np.maximum(matched, 0)]),
+        is_in_map=has_position & (distance <= tolerance),
+        tolerance=float(tolerance),
+        unit="m",
+        source=source,
+    )
+
+
+def _nearest(query: Reals, places: Reals) -> tuple[Integers, Reals]:
+    """Number and distance of the place nearest to each query, of those that are known; infinitely far where none is."""
+    from scipy.spatial import cKDTree
+
+    known = np.flatnonzero(np.isfinite(places).all(axis=1))
+    is_known = np.isfinite(query).all(axis=1)
+    nearest, distance = np.zeros(len(query), np.int64), np.full(len(query), np.inf)
+    distance[is_known], index = cKDTree(places[known]).query(query[is_known])
+    nearest[is_known] = known[index]
+    return nearest, distance
+
+
+def read_pairs(
+    path: str | os.PathLike[str], query_names: Sequence[str], reference_names: Sequence[str]
+) -> dict[int, int]:
+    """Pairs of a table with the columns query and reference, which hold numbers from 0 or names of frames.
+
+    An empty reference, or −1, says that the query is not in the map.
+
+    Raises
+    ------
+    InputError
+        If it is no such table, or names what is not there.
+    """
+    place = Path(path)
+    rows = read_rows(place)
+    shown = quoted(place.name, 200)
+    header = list(rows[0]) if rows else []
+    query = next((name for name in QUERY_COLUMNS if name in header), None)
+    reference = next((name for name in REFERENCE_COLUMNS if name in header), None)
+    if query is None or reference is None:
+        raise InputError(f"--truth {shown} has the columns {', '.join(header) or 'none'}, expected query and reference")
+    of_query, of_reference = _numbers_by_name(query_names), _numbers_by_name(reference_names)
+    pairs = {}
+    for number, row in enumerate(rows, 2):
+        own = _number(row[query], of_query, f"line {number} of --truth {shown} names the query")
+        text = row[reference].strip()
+        known = (
+            -1
+            if text in ("", "-1")
+            else _number(text, of_reference, f"line {number} of --truth {shown} names the place")
+        )
+        pairs[own] = known
+    return pairs
+
+
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """Rows of a table with a header.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    shown = quoted(path.name, 200)
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise InputError(f"{shown} has {path.stat().st_size} bytes, expected a table of at most {MAX_BYTES:.0e}")
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            return [{str(key): value or "" for key, value in row.items()} for row in csv.DictReader(file)]
+    except OSError as error:
+        raise InputError(f"{shown} cannot be read ({error.strerror}), expected a table") from None
+    except (UnicodeDecodeError, csv.Error):
+        raise InputError(f"{shown} is no table of text, expected CSV with a header") from None
+
+
+def _numbers_by_name(names: Sequence[str]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for number, name in enumerate(names):
+        found[name] = None if name in found else number  # a name that occurs twice says nothing
+    return found
+
+
+def _number(text: str, names: Mapping[str, Any], start: str) -> int:
+    if (number := names.get(text.strip())) is not None:
+        return int(number)
+    try:
+        return int(text)
+    except ValueError:
+        raise InputError(f"{start} {quoted(text)}, expected a number from 0 or the name of one frame") from None

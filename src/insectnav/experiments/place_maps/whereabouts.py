@@ -1,0 +1,174 @@
+"""When and where frames were taken, from the files that say so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insectnav.checks import InputError, quoted
+from insectnav.datasets.frame_times import times_of_frames
+from insectnav.datasets.positions import MAX_GAP_S, Positions, positions_of_frames, read_positions
+from insectnav.experiments.place_maps.frames import NOWHERE, Frame, FrameSource, is_bag
+
+Reals = NDArray[np.floating[Any]]
+Origin = tuple[float, float] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Whereabouts:
+    """Where times and positions come from.
+
+    Parameters
+    ----------
+    times : "names", "exif", frames per second, or a file: see `insectnav.datasets.frame_times.times_of_frames`
+    positions : a file, see `insectnav.datasets.positions.read_positions`, or the recording of a robot
+    columns : of a table of positions without a header
+    position_topic : of the positions in the recording of a robot; None for the only one
+    time_offset_s : added to the times of the frames [s]
+    utc_offset_h : of clocks without time zone [h]
+    max_gap_s : between two positions that is bridged [s]
+    """
+
+    times: str | None = None
+    positions: str | None = None
+    columns: tuple[str, ...] | None = None
+    position_topic: str | None = None
+    time_offset_s: float = 0.0
+    utc_offset_h: float = 0.0
+    max_gap_s: float = MAX_GAP_S
+
+
+class Placed(NamedTuple):
+    """Frames with times and positions, the latitude and longitude of the origin, and what a person must know."""
+
+    source: FrameSource
+    origin_deg: Origin
+    notes: tuple[str, ...]
+
+
+def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -> Placed:
+    """The same frames, with times and positions.
+
+    Parameters
+    ----------
+    source : FrameSource
+    where : Whereabouts
+    origin_deg : of the map, for latitudes and longitudes; None for the first of these
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or has nothing to say on these frames.
+    """
+    table = None
+    if where.positions is not None:
+        table = _table(where, origin_deg)
+    elif where.columns is not None:
+        raise InputError("--position-columns is given without --positions, expected both")
+    if source.kind == "bag":
+        return _of_recording(source, where, table)
+    if where.times is None and table is None and not np.isfinite(source.frame_rate):
+        return Placed(source, None, ())
+    if source.kind == "films" or not source.total:
+        raise InputError("--times and --positions want one film alone, or pictures alone, whose number is known")
+    numbers = np.arange(source.total) * source.step
+    times = _times(source, where, numbers)
+    if times is not None:
+        _check_forwards(times, source)
+    places = None if table is None else _positions(source, where, table, times, numbers)
+
+    def frames() -> Iterator[Frame]:
+        for k, frame in enumerate(source.frames):
+            is_counted = k < source.total  # a film may hold more frames than it says
+            time = float(times[k]) if times is not None and is_counted else float("nan")
+            position = places[k] if places is not None and is_counted else NOWHERE
+            yield replace(frame, time=time, position=position)
+
+    origin = None if table is None else table.origin_deg
+    return Placed(replace(source, frames=frames()), origin, () if table is None else table.notes)
+
+
+def _table(where: Whereabouts, origin_deg: Origin) -> Positions:
+    """Positions of a file, or of the recording of a robot."""
+    path = Path(str(where.positions))
+    if is_bag(path):
+        from insectnav.datasets.ros_bag import bag_positions
+
+        return bag_positions(path, where.position_topic, origin_deg=origin_deg)
+    if where.position_topic is not None:
+        raise InputError("--position-topic is given, expected it with positions in the recording of a robot alone")
+    return read_positions(path, columns=where.columns, origin_deg=origin_deg)
+
+
+def _times(source: FrameSource, where: Whereabouts, numbers: NDArray[np.int64]) -> Reals | None:
+    """Times of all frames (frame,) [s]; None if there are none."""
+    if where.times is None:
+        return numbers / source.frame_rate + where.time_offset_s if np.isfinite(source.frame_rate) else None
+    try:
+        given: str | float = float(where.times)
+    except ValueError:
+        given = where.times
+    return times_of_frames(
+        given,
+        names=source.files or None,
+        numbers=numbers.tolist(),
+        offset_s=where.time_offset_s,
+        utc_offset_h=where.utc_offset_h,
+    )
+
+
+def _check_forwards(times: Reals, source: FrameSource) -> None:
+    """Refuse frames that are not in the order in which they were taken."""
+    known = np.flatnonzero(np.isfinite(times))
+    back = np.flatnonzero(np.diff(times[known]) < 0)
+    if back.size:
+        before, after = (int(known[back[0] + k]) for k in (0, 1))
+        first, second = (quoted(source.files[k].stem if source.files else f"frame {k}") for k in (before, after))
+        raise InputError(
+            f"{second} was taken {times[before] - times[after]:.3g} s before {first}, which comes ahead of it, "
+            "expected frames in the order of their times: names that do not follow the time, or the times of another "
+            "recording?"
+        )
+
+
+def _positions(
+    source: FrameSource, where: Whereabouts, table: Positions, times: Reals | None, numbers: NDArray[np.int64]
+) -> Reals:
+    """Positions of all frames (frame, 3) [m]: by name where the table has names, else by time, else by number."""
+    if table.name is not None and source.files:
+        return positions_of_frames(table, names=source.files)
+    if table.time is not None and times is not None:
+        return positions_of_frames(table, times=times, max_gap_s=where.max_gap_s)
+    if table.frame is not None:
+        return positions_of_frames(table, frames=numbers)
+    raise InputError(
+        f"{quoted(where.positions, 200)} has times, expected --times to say when the frames were taken: names, exif, "
+        "frames per second, or a table"
+    )
+
+
+def _of_recording(source: FrameSource, where: Whereabouts, table: Positions | None) -> Placed:
+    """Frames of a robot's recording, which come with times."""
+    if where.times is not None:
+        raise InputError("--times is given, expected none with the recording of a robot, which has its own")
+    if table is None:
+        return Placed(source, None, ())
+    if table.time is None:
+        raise InputError(f"{quoted(where.positions, 200)} has no times, expected some for the recording of a robot")
+    positions = table
+
+    def frames() -> Iterator[Frame]:
+        for frame in source.frames:
+            time = frame.time + where.time_offset_s
+            try:
+                place = positions_of_frames(positions, times=np.array([time]), max_gap_s=where.max_gap_s)[0]
+            except InputError:  # before the first or after the last position: one frame tells nothing of the clocks
+                place = NOWHERE
+            yield replace(frame, time=time, position=place)
+
+    return Placed(replace(source, frames=frames()), table.origin_deg, table.notes)

@@ -1,0 +1,341 @@
+"""Bags of ROS 1 and 2, written by rosbags: pictures, positions, the choice of a topic, and bags that mean harm."""
+
+import bz2
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from insectnav.checks import InputError
+from insectnav.datasets import bounded_chunks
+from insectnav.datasets.ros_bag import bag_images, bag_positions, bag_topics
+
+rosbag1 = pytest.importorskip("rosbags.rosbag1")
+rosbag2 = pytest.importorskip("rosbags.rosbag2")
+typesys = pytest.importorskip("rosbags.typesys")
+
+ROS1, ROS2, MCAP = "ros1", "ros2", "mcap"
+KINDS = (ROS1, ROS2, MCAP)
+PICTURE = np.arange(24, dtype=np.uint8).reshape(2, 4, 3)  # red, green, blue
+
+
+class Messages:
+    """Messages of one version of ROS."""
+
+    def __init__(self, kind: str) -> None:
+        self.is_first = kind == ROS1
+        self.store = typesys.get_typestore(typesys.Stores.ROS1_NOETIC if self.is_first else typesys.Stores.ROS2_HUMBLE)
+
+    def make(self, name: str, **fields):
+        return self.store.types[name](**fields)
+
+    def header(self, seconds: float):
+        whole = int(seconds)
+        stamp = self.make("builtin_interfaces/msg/Time", sec=whole, nanosec=round((seconds - whole) * 1e9))
+        return self.make("std_msgs/msg/Header", stamp=stamp, frame_id="", **({"seq": 0} if self.is_first else {}))
+
+    def image(self, seconds: float, encoding: str, lines: np.ndarray, columns: int, **more):
+        fields = {"height": len(lines), "width": columns, "step": lines.shape[1], "is_bigendian": 0} | more
+        header = self.header(seconds)
+        return self.make(
+            "sensor_msgs/msg/Image", header=header, encoding=encoding, data=lines.reshape(-1).view(np.uint8), **fields
+        )
+
+    def compressed(self, seconds: float, ending: str, picture: np.ndarray):
+        data = cv2.imencode(f".{ending}", picture[..., ::-1])[1].reshape(-1)
+        return self.make("sensor_msgs/msg/CompressedImage", header=self.header(seconds), format=ending, data=data)
+
+    def fix(self, seconds: float, latitude: float, longitude: float, altitude: float, status: int = 0):
+        return self.make(
+            "sensor_msgs/msg/NavSatFix",
+            header=self.header(seconds),
+            status=self.make("sensor_msgs/msg/NavSatStatus", status=status, service=1),
+            latitude=latitude,
+            longitude=longitude,
+            altitude=altitude,
+            position_covariance=np.zeros(9),
+            position_covariance_type=0,
+        )
+
+    def pose(self, x: float, y: float, z: float):
+        return self.make(
+            "geometry_msgs/msg/Pose",
+            position=self.make("geometry_msgs/msg/Point", x=x, y=y, z=z),
+            orientation=self.make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+        )
+
+    def stamped(self, seconds: float, x: float, y: float, z: float):
+        return self.make("geometry_msgs/msg/PoseStamped", header=self.header(seconds), pose=self.pose(x, y, z))
+
+    def odometry(self, seconds: float, x: float, y: float, z: float):
+        still = self.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+        twist = self.make("geometry_msgs/msg/Twist", linear=still, angular=still)
+        return self.make(
+            "nav_msgs/msg/Odometry",
+            header=self.header(seconds),
+            child_frame_id="base",
+            pose=self.make("geometry_msgs/msg/PoseWithCovariance", pose=self.pose(x, y, z), covariance=np.zeros(36)),
+            twist=self.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)),
+        )
+
+
+def bag(folder: Path, kind: str, topics: dict, compression=None) -> Path:
+    """A bag of messages by topic, each arriving 2 s after the topic's start and one second after the other."""
+    messages = Messages(kind)
+    path = folder / ("walk.bag" if kind == ROS1 else "walk")
+    if kind == ROS1:
+        writer = rosbag1.Writer(path)
+        if compression:
+            writer.set_compression(compression)
+    else:
+        plugin = rosbag2.StoragePlugin.MCAP if kind == MCAP else rosbag2.StoragePlugin.SQLITE3
+        writer = rosbag2.Writer(path, version=9, storage_plugin=plugin)
+        if compression:
+            writer.set_compression(compression, rosbag2.CompressionFormat.ZSTD)
+    serialise = messages.store.serialize_ros1 if kind == ROS1 else messages.store.serialize_cdr
+    with writer:
+        for topic, make in topics.items():
+            made = make(messages)
+            connection = writer.add_connection(topic, made[0].__msgtype__, typestore=messages.store)
+            for k, message in enumerate(made):
+                writer.write(connection, (2 + k) * 10**9, bytes(serialise(message, message.__msgtype__)))
+    return path
+
+
+def camera(messages: Messages) -> list:
+    return [messages.image(10.5 + k, "rgb8", PICTURE.reshape(2, 12) + np.uint8(k), 4) for k in range(3)]
+
+
+def walk(messages: Messages) -> list:
+    return [messages.odometry(10.0 + k, 1.0 * k, 2.0, 0.5) for k in range(4)]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_topics_pictures_and_positions(kind: str, tmp_path: Path):
+    path = bag(tmp_path, kind, {"/camera": camera, "/odometry": walk})
+    found = [(topic.name, topic.kind, topic.n_messages) for topic in bag_topics(path)]
+    assert found == [("/camera", "sensor_msgs/msg/Image", 3), ("/odometry", "nav_msgs/msg/Odometry", 4)]
+    pictures = list(bag_images(path))
+    np.testing.assert_allclose([time for time, _ in pictures], [10.5, 11.5, 12.5])
+    np.testing.assert_array_equal(pictures[2][1], PICTURE + 2)
+    assert [time for time, _ in bag_images(path, "/camera", clock="bag")] == [2, 3, 4]
+    positions = bag_positions(path)
+    np.testing.assert_array_equal(positions.time, [10, 11, 12, 13])
+    np.testing.assert_array_equal(positions.position, [(k, 2, 0.5) for k in range(4)])
+    assert positions.origin_deg is None
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_fixes_become_metres_and_what_is_no_fix_is_left_out(kind: str, tmp_path: Path):
+    def fixes(messages: Messages) -> list:
+        return [
+            messages.fix(3.0, 60.001, 10.0, 30.0),
+            messages.fix(1.0, 60.0, 10.0, np.nan),
+            messages.fix(2.0, 0.0, 0.0, 0.0, status=-1),
+            messages.fix(4.0, np.nan, 10.0, 30.0),
+        ]
+
+    positions = bag_positions(bag(tmp_path, kind, {"/fix": fixes}))
+    np.testing.assert_array_equal(positions.time, [1, 3])
+    np.testing.assert_allclose(positions.position, [(0, 0, np.nan), (0, 111.412, 30)], atol=1e-3)
+    assert positions.origin_deg == (60, 10)
+    assert positions.notes[0] == "messages left out, no fix: 2"
+    assert (
+        bag_positions(tmp_path / ("walk.bag" if kind == ROS1 else "walk"), origin_deg=(60.001, 10)).position[1, 1] == 0
+    )
+
+
+def test_poses(tmp_path: Path):
+    path = bag(tmp_path, ROS2, {"/pose": lambda messages: [messages.stamped(1.0, 1.0, 2.0, 3.0)]})
+    np.testing.assert_array_equal(bag_positions(path).position, [(1, 2, 3)])
+
+
+DEEP = np.array([[1, 256, 65535]], "<u2")
+
+
+@pytest.mark.parametrize(
+    ("encoding", "lines", "columns", "more", "expected"),
+    [
+        ("mono8", PICTURE[..., 0], 4, {}, PICTURE[..., 0]),
+        ("mono8", PICTURE[..., 0], 3, {}, PICTURE[:, :3, 0]),  # rows longer than their pixels
+        ("rgb8", PICTURE.reshape(2, 12), 4, {}, PICTURE),
+        ("bgr8", PICTURE.reshape(2, 12), 4, {}, PICTURE[..., ::-1]),
+        ("bgra8", PICTURE.reshape(2, 12), 3, {}, PICTURE.reshape(2, 3, 4)[..., [2, 1, 0]]),
+        ("mono16", DEEP.view(np.uint8), 3, {}, DEEP),
+        ("mono16", DEEP.view(np.uint8), 3, {"is_bigendian": 1}, DEEP.byteswap()),
+    ],
+)
+def test_encodings(encoding: str, lines: np.ndarray, columns: int, more: dict, expected: np.ndarray, tmp_path: Path):
+    lines = np.ascontiguousarray(lines)
+    path = bag(tmp_path, ROS1, {"/camera": lambda messages: [messages.image(1.0, encoding, lines, columns, **more)]})
+    ((_, picture),) = bag_images(path)
+    np.testing.assert_array_equal(picture, expected)
+    assert picture.dtype == (np.uint16 if encoding == "mono16" else np.uint8)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_compressed_pictures(kind: str, tmp_path: Path):
+    smooth = np.full((16, 16, 3), (200, 100, 50), np.uint8)
+    make = lambda messages: [messages.compressed(1.0, ending, smooth) for ending in ("png", "jpg")]  # noqa: E731
+    first, second = (picture for _, picture in bag_images(bag(tmp_path, kind, {"/camera": make})))
+    np.testing.assert_array_equal(first, smooth)
+    np.testing.assert_allclose(second, smooth, atol=3)
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda m: [m.image(1.0, "bayer_rggb8", PICTURE[..., 0].copy(), 4)], "colour sensor .'bayer_rggb8'"),
+        (lambda m: [m.image(1.0, "32FC1", PICTURE.reshape(2, 12), 3)], "encoding '32FC1', expected one of mono8"),
+        (lambda m: [m.image(1.0, "rgb8", PICTURE.reshape(2, 12), 5)], "rows of 12, expected 2 rows of at least 15"),
+        (lambda m: [m.image(1.0, "rgb8", PICTURE.reshape(2, 12), 4, height=3)], "24 bytes"),
+        (lambda m: [m.image(1.0, "rgb8", PICTURE.reshape(2, 12), 4, height=0)], "0 × 4 pixels"),
+        (lambda m: [m.image(1.0, "mono8", PICTURE.reshape(2, 12), 2**31, height=2**31)], "pixels"),
+        (lambda m: [m.image(0.0, "rgb8", PICTURE.reshape(2, 12), 4)], 'no time stamp, expected one: clock="bag"'),
+        (
+            lambda m: [m.make("sensor_msgs/msg/CompressedImage", header=m.header(1.0), format="h264",
+                              data=np.zeros(9, np.uint8))],
+            "no PNG, JPEG or TIFF",
+        ),
+    ],
+)  # fmt: skip
+def test_pictures_that_cannot_be_decoded_are_refused(make, says: str, tmp_path: Path):
+    with pytest.raises(InputError, match=says) as error:
+        list(bag_images(bag(tmp_path, ROS1, {"/camera": make})))
+    assert "message 0 of '/camera' in 'walk.bag'" in str(error.value)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_one_of_several_topics_is_to_be_chosen(kind: str, tmp_path: Path):
+    path = bag(tmp_path, kind, {"/left": camera, "/right": camera, "/odometry": walk})
+    with pytest.raises(InputError, match=r"2 topics of pictures, expected a choice of one: /left \(Image, 3\), /right"):
+        list(bag_images(path))
+    assert len(list(bag_images(path, "/right"))) == 3
+    with pytest.raises(InputError, match="no topic '/centre' of pictures, expected one of /left"):
+        list(bag_images(path, "/centre"))
+    with pytest.raises(InputError, match="no topic '/left' of positions"):
+        bag_positions(path, "/left")
+
+
+def test_bag_without_such_topics_names_the_others(tmp_path: Path):
+    path = bag(tmp_path, ROS1, {"/odometry": walk})
+    with pytest.raises(InputError, match="no pictures, expected a topic of Image, CompressedImage among '/odometry'"):
+        list(bag_images(path))
+    empty = tmp_path / "empty.bag"
+    with rosbag1.Writer(empty):
+        pass
+    with pytest.raises(InputError, match="no topic"):
+        bag_positions(empty)
+
+
+@pytest.mark.parametrize("compression", list(rosbag1.Writer.CompressionFormat))
+def test_compressed_chunks_are_unpacked(compression, tmp_path: Path):
+    path = bag(tmp_path, ROS1, {"/odometry": walk}, compression)
+    assert len(bag_positions(path).time) == 4
+
+
+@pytest.mark.parametrize("compression", list(rosbag1.Writer.CompressionFormat))
+def test_chunks_that_unpack_beyond_bounds_are_refused(compression, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path = bag(tmp_path, ROS1, {"/odometry": walk}, compression)
+    monkeypatch.setattr(bounded_chunks, "MAX_CHUNK", 1000)
+    with pytest.raises(InputError, match="unpacks to more than"):
+        bag_positions(path)
+
+
+def test_bound_stops_unpacking_early():
+    bomb = bz2.compress(bytes(10**7))
+    seen = []
+
+    def unpack(data: bytes, most: int) -> bytes:
+        seen.append(bz2.BZ2Decompressor().decompress(data, most))
+        return seen[0]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bounded_chunks, "MAX_CHUNK", 1000)
+        with pytest.raises(InputError, match="unpacks to more"):
+            bounded_chunks._within(unpack, bomb)
+    assert len(seen[0]) == 1001
+
+
+@pytest.mark.parametrize("mode", list(rosbag2.CompressionMode)[1:3])
+def test_folders_compressed_as_such_are_refused(mode, tmp_path: Path):
+    path = bag(tmp_path, ROS2, {"/odometry": walk}, mode)
+    with pytest.raises(InputError, match=f"is compressed by {mode.name.lower()}, expected a bag that is not"):
+        bag_positions(path)
+
+
+def test_message_of_another_definition_is_refused(tmp_path: Path):
+    store = typesys.get_typestore(typesys.Stores.EMPTY)
+    store.register(typesys.get_types_from_msg("float64 y\nfloat64 x", "nav_msgs/msg/Odometry"))
+    path = tmp_path / "a.bag"
+    with rosbag1.Writer(path) as writer:
+        writer.add_connection("/odometry", "nav_msgs/msg/Odometry", typestore=store)
+    with pytest.raises(InputError, match="defines nav_msgs/msg/Odometry otherwise than ROS"):
+        bag_positions(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "says"),
+    [
+        ("a.bag", b"", "cannot be read as a bag"),
+        ("a.bag", b"#ROSBAG V1.2\n", "version 102"),
+        ("a.bag", b"PK\x03\x04" * 50, "magic"),
+        ("a.mcap", bytes(100), "cannot be read as a bag"),
+        ("a.db3", bytes(100), "cannot be read as a bag"),
+        ("a.csv", b"time_s,x_m", "cannot be read as a bag"),
+    ],
+)
+def test_other_files_are_refused(name: str, data: bytes, says: str, tmp_path: Path):
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(InputError, match=says) as error:
+        bag_topics(tmp_path / name)
+    assert "\n" not in str(error.value)
+
+
+def test_missing_bags_and_folders_that_are_none_are_refused(tmp_path: Path):
+    with pytest.raises(InputError, match="does not exist"):
+        bag_topics(tmp_path / "absent.bag")
+    with pytest.raises(InputError, match="cannot be read as a bag"):
+        bag_topics(tmp_path)
+    (tmp_path / "metadata.yaml").write_text("rosbag2_bagfile_information: {version: 99}")
+    with pytest.raises(InputError, match="cannot be read as a bag"):
+        bag_topics(tmp_path)
+
+
+def test_without_the_extra_the_error_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "a.bag").write_bytes(b"")
+    monkeypatch.setitem(sys.modules, "rosbags", None)
+    with pytest.raises(InputError, match=r"pip install insectnav\[robot\]"):
+        bag_topics(tmp_path / "a.bag")
+
+
+@pytest.fixture(scope="module")
+def whole_bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, Path]]:
+    """A sound bag of each kind and its file, with a copy beside it."""
+    found = {}
+    for kind in KINDS:
+        path = bag(tmp_path_factory.mktemp("bag"), kind, {"/camera": camera, "/odometry": walk})
+        file = path if kind == ROS1 else next(one for one in path.iterdir() if one.suffix in (".mcap", ".db3"))
+        file.with_suffix(".whole").write_bytes(file.read_bytes())
+        found[kind] = path, file
+    return found
+
+
+@settings(max_examples=60, deadline=None)
+@given(kind=st.sampled_from(KINDS), share=st.floats(0, 1), length=st.integers(0, 40), other=st.binary(max_size=8))
+def test_damaged_bag_is_read_or_refused_but_never_fails_otherwise(
+    whole_bags: dict, kind: str, share: float, length: int, other: bytes
+):
+    path, file = whole_bags[kind]
+    whole = file.with_suffix(".whole").read_bytes()
+    start = int(share * (len(whole) - 1))
+    file.write_bytes(whole[:start] + other + whole[start + length :])
+    for read in (bag_positions, lambda bag: list(bag_images(bag))):
+        try:
+            read(path)
+        except InputError as error:
+            assert "\n" not in str(error)

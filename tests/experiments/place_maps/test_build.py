@@ -1,0 +1,88 @@
+"""Maps on disk: whole or going on, one process at a time, and what stays after an interruption."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from insectnav.checks import InputError
+from insectnav.experiments.place_maps import build as building
+from insectnav.experiments.place_maps.build import ADDING, UNFINISHED, BuildParams, build
+from insectnav.experiments.place_maps.locate import LocateParams, TruthParams, locate
+from insectnav.experiments.place_maps.opening import FrameParams
+from insectnav.experiments.store import locked
+from insectnav.matching.places import PlaceMap
+from place_scenes import spoil, views, write_pictures
+
+
+@pytest.fixture
+def summer(tmp_path: Path) -> Path:
+    return write_pictures(tmp_path / "summer", views(30))
+
+
+def test_an_interruption_keeps_whole_batches_and_add_goes_on(summer: Path, tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(building, "BATCH", 8)
+
+    def stop(_: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        build([str(summer)], tmp_path / "m", BuildParams(), stop)
+    assert PlaceMap.open(tmp_path / "m").n_places == 8
+    assert (tmp_path / "m" / UNFINISHED).exists()
+    result = build([str(summer)], tmp_path / "m", BuildParams(adds=True))
+    assert (result["frames"], result["frames_from_earlier_run"], result["routes"]) == (22, 8, 1)
+    build([str(summer)], tmp_path / "whole", BuildParams())
+    one, other = (PlaceMap.open(tmp_path / name) for name in ("m", "whole"))
+    assert_array_equal(one.descriptors, other.descriptors)
+    assert one.names == other.names
+    assert not (tmp_path / "m" / UNFINISHED).exists()
+
+
+def test_an_interruption_after_the_last_frame_is_finished_by_add(summer: Path, tmp_path: Path):
+    def stop(_: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        build([str(summer)], tmp_path / "m", BuildParams(), stop)
+    result = build([str(summer)], tmp_path / "m", BuildParams(adds=True))
+    assert (result["frames"], result["places"], result["routes"]) == (0, 30, 1)
+
+
+def test_a_frame_of_another_size_of_features_leaves_no_map(tmp_path: Path):
+    write_pictures(tmp_path / "mixed", np.zeros((3, 25, 120), np.uint8) + np.arange(120, dtype=np.uint8))
+    write_pictures(tmp_path / "mixed", np.zeros((1, 60, 120), np.uint8), "other{}.png")
+    from insectnav.experiments.place_maps.choices import GivenOptions
+
+    params = BuildParams(frames=FrameParams(given=GivenOptions(camera="panorama", descriptor="turned-views")))
+    result = build([str(tmp_path / "mixed")], tmp_path / "m", params)
+    assert result["missing"] == 0  # views are brought to one size
+    assert result["features"] == 25 * 120
+
+
+def test_two_processes_do_not_add_at_once(summer: Path, tmp_path: Path):
+    build([str(summer)], tmp_path / "m", BuildParams())
+    with locked(tmp_path / "m" / ADDING), pytest.raises(InputError, match="is being written by another run"):
+        build([str(summer)], tmp_path / "m", BuildParams(adds=True))
+    assert PlaceMap.open(tmp_path / "m").n_places == 30
+
+
+def test_missing_frames_are_nan_and_found_by_their_neighbours(summer: Path, tmp_path: Path):
+    for k in (0, 1, 14):
+        spoil(summer / f"frame{k}.png")
+    build([str(summer)], tmp_path / "m", BuildParams())
+    place_map = PlaceMap.open(tmp_path / "m")
+    assert_array_equal(np.flatnonzero(np.isnan(place_map.descriptors).all(axis=1)), [0, 1, 14])
+    winter = write_pictures(tmp_path / "winter", views(30, season=1))
+    found = locate(place_map, [str(winter)], LocateParams(truth=TruthParams(same_index=True, tolerance_frames=0)))
+    assert found.found.reference[14] == 14
+    assert found.found.truth is not None
+    assert found.found.truth.is_right[5:-5].all()
+
+
+def test_threads_change_nothing(summer: Path, tmp_path: Path):
+    for workers in (1, 3):
+        build([str(summer)], tmp_path / str(workers), BuildParams(frames=FrameParams(workers=workers)))
+    one, other = (PlaceMap.open(tmp_path / name) for name in ("1", "3"))
+    assert_array_equal(one.descriptors, other.descriptors)

@@ -1,0 +1,107 @@
+"""Which matches are right, and what they amount to: by hand, and against scikit-learn."""
+
+import io
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from sklearn.metrics import average_precision_score
+
+from insectnav.checks import InputError
+from insectnav.experiments.place_maps.located import numbers, read_matches, write_rows
+from insectnav.experiments.place_maps.truth import between_key_frames, by_position, from_pairs, quantity, same_index
+from place_scenes import located
+
+
+def test_same_index_within_each_route():
+    routes = np.array([0, 0, 0, 0, 1, 1, 1])
+    truth = same_index(np.array([0, 5, -1, 2, 6]), routes, 1.0)
+    assert_array_equal(truth.error, [0, 0, np.nan, 1, 2])
+    assert_array_equal(truth.is_right, [True, True, False, True, False])
+    assert_array_equal(truth.is_in_map, [True, True, True, True, False])  # no route has a fifth place
+
+
+def test_pairs_may_say_that_a_query_is_nowhere():
+    truth = from_pairs(np.array([4, 2, 7]), {0: 5, 1: -1}, 1.0, "by hand", 10)
+    assert_array_equal(truth.is_right, [True, False, False])
+    assert_array_equal(truth.is_known, [True, True, False])
+    assert_array_equal(truth.is_in_map, [True, False, False])
+    with pytest.raises(InputError, match="pairs query 3 with place 0"):
+        from_pairs(np.array([4, 2, 7]), {3: 0}, 1.0, "by hand", 10)
+
+
+def test_straight_lines_between_key_frames():
+    keys = np.array([[1, 10], [3, 14], [4, np.nan]])
+    truth = between_key_frames(np.array([9, 11, 12, 13, 13, 13]), keys, 1.0, "by eye")
+    assert_array_equal(truth.is_known, [False, True, True, True, True, False])
+    assert_array_equal(truth.is_right, [False, True, True, True, False, False])
+    assert_array_equal(truth.is_in_map, [False, True, True, True, False, False])
+
+
+def test_distance_over_the_ground():
+    places = np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 90.0], [np.nan, np.nan, np.nan]])
+    queries = np.array([[0.0, 0.0, 5.0], [0.0, 0.0, 0.0], [30.0, 0.0, 0.0], [np.nan] * 3, [3.0, 3.0, 0.0]])
+    truth = by_position(np.array([0, 1, 1, 0, 2]), queries, places, 5.0, "tracking")
+    assert_allclose(truth.error, [0.0, 5.0, np.hypot(27, 4), np.nan, np.nan])
+    assert_array_equal(truth.is_right, [True, True, False, False, False])
+    assert_array_equal(truth.is_known, [True, True, True, False, False])
+    assert_array_equal(truth.is_in_map, [True, True, False, False, True])
+    with pytest.raises(InputError, match="no place of the map has a position"):
+        by_position(np.array([0]), queries[:1], places[2:], 5.0, "tracking")
+
+
+def test_numbers_are_those_of_scikit_learn():
+    rng = np.random.default_rng(3)
+    n = 200
+    query = np.arange(n)
+    reference = np.where(rng.random(n) < 0.7, query, (query + 50) % n)
+    score = np.where(reference == query, rng.normal(0.4, 0.1, n), rng.normal(0.6, 0.1, n))
+    truth = same_index(reference, np.zeros(n, np.int64), 0.0)
+    found = numbers(located(reference, score, truth, n_places=n))
+    share = (reference == query).mean()
+    assert found["area"] == pytest.approx(average_precision_score(reference == query, -score) * share)
+    assert found["precision_of_all"] == found["recall_of_all"] == pytest.approx(share)
+    best_wrong = score[reference != query].min()
+    assert found["recall_at_full_precision"] == pytest.approx(((score < best_wrong) & (reference == query)).sum() / n)
+    assert found["threshold_of_full_precision"] < best_wrong
+
+
+def test_a_threshold_keeps_the_better_matches():
+    truth = same_index(np.array([0, 1, 5, -1]), np.zeros(10, np.int64), 0.0)
+    found = numbers(located([0, 1, 5, -1], [0.1, 0.7, 0.3, np.nan], truth, threshold=0.5))
+    assert (found["matched"], found["kept"], found["kept_right"]) == (3, 2, 1)
+    assert found["precision_kept"] == 0.5
+    assert found["recall_kept"] == 0.25
+    assert found["error_largest"] == 3.0
+
+
+def test_queries_without_a_sequence_or_a_truth_count_for_nothing():
+    truth = from_pairs(np.array([-1, 1, 2, 3, -1]), {0: 0, 1: 1, 2: 2, 4: 4}, 0.0, "by hand", 10)
+    found = numbers(located([-1, 1, 2, 3, -1], None, truth, half_sequence=1))
+    assert (found["judged"], found["can_be_matched"], found["recall_of_all"], found["precision_of_all"]) == (2, 2, 1, 1)
+
+
+def test_the_table_reads_back(tmp_path):
+    places = np.stack([np.arange(10.0), 2 * np.arange(10.0), np.zeros(10)], axis=1)
+    truth = same_index(np.array([-1, 1, 7, -1]), np.zeros(10, np.int64), 1.0)
+    found = located([-1, 1, 7, -1], [0, 0.123456789, 0.9, 0], truth, half_sequence=1, place_positions=places)
+    path = tmp_path / "m.csv"
+    with path.open("w", newline="", encoding="utf-8") as file:
+        write_rows(file, found.rows())
+    again = read_matches(path)
+    assert_array_equal(again.reference, found.reference)
+    assert_allclose(again.score, found.score)
+    assert_array_equal(again.has_sequence, found.has_sequence)
+    assert_array_equal(again.positions, found.positions)
+    assert again.names == found.names
+    text = io.StringIO()
+    write_rows(text, found.rows())
+    path.write_text(text.getvalue().replace("q2", "q2").replace("\n2,", "\n3,"), encoding="utf-8")
+    with pytest.raises(InputError, match="does not number its queries"):
+        read_matches(path)
+
+
+def test_quantities_as_a_person_writes_them():
+    assert [quantity(*one) for one in ((1.0, "frames"), (2.0, "frames"), (0.25, "m"), (1.0, "m"))] == [
+        "1 frame", "2 frames", "0.25 m", "1 m"
+    ]  # fmt: skip

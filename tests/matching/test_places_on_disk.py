@@ -1,0 +1,348 @@
+"""What a map on disk survives: being killed, two writers, damage, files of strangers; and queries change nothing."""
+
+import fcntl
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from dask_cluster import environment, kill, wait_for
+from insectnav.checks import InputError
+from insectnav.matching import MapAbout, PlaceMap
+
+RNG = np.random.default_rng(1)
+ROUTE = np.cumsum(RNG.normal(size=(400, 12)), axis=0)
+ABOUT = MapAbout(descriptor="walk", metric="euclidean", n_features=12)
+WRITER = """
+import sys
+import numpy as np
+from insectnav.matching import PlaceMap
+
+route = np.cumsum(np.random.default_rng(1).normal(size=(400, 12)), axis=0)
+made = PlaceMap.open(sys.argv[1])
+for i in range(400):
+    made.add(route[i : i + 1], names=[f"frame {i}"])
+    print(i + 1, flush=True)
+"""
+
+
+def digests(folder: Path) -> dict[str, str]:
+    """Of all files, and the names of all folders."""
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
+        for path in sorted(folder.rglob("*"))
+    }
+
+
+@pytest.mark.parametrize("patience", [1, 20, 45])
+def test_a_writer_that_is_killed_loses_nothing_that_was_acknowledged(tmp_path, patience):
+    PlaceMap.create(tmp_path / "map", ABOUT)
+    command = [sys.executable, "-c", WRITER, str(tmp_path / "map")]
+    log = tmp_path / "log"
+    with log.open("wb") as out:
+        process = subprocess.Popen(command, stdout=out, env=environment())
+        wait_for(lambda: log.read_bytes().count(b"\n") >= patience, process)
+        kill(process)
+    acknowledged = log.read_bytes().count(b"\n")
+    found = PlaceMap.open(tmp_path / "map")
+    assert acknowledged <= found.n_places <= acknowledged + 1  # one may have been on disk but not yet told
+    assert_array_equal(found.descriptors, ROUTE[: found.n_places])
+    assert found.names == tuple(f"frame {i}" for i in range(found.n_places))
+    found.add(ROUTE[found.n_places :])
+    assert_array_equal(PlaceMap.open(tmp_path / "map").descriptors, ROUTE)
+    assert not list((tmp_path / "map").rglob("*.partial"))
+
+
+def every_kill(folder: Path, monkeypatch: pytest.MonkeyPatch, work) -> int:
+    """Do the work on copies of a map, each ended without warning at another call to the system; how many there are."""
+    calls = 0
+    names = ("rename", "replace", "fsync", "mkdir")
+    real = {name: getattr(os, name) for name in names}
+
+    def run(copy: Path, last: int) -> None:
+        nonlocal calls
+        calls = 0
+
+        def counted(name):
+            def call(*given, **options):
+                nonlocal calls
+                calls += 1
+                if calls == last:
+                    os._exit(9)
+                return real[name](*given, **options)
+
+            return call
+
+        for name in names:
+            monkeypatch.setattr(os, name, counted(name))
+        try:
+            work(PlaceMap.open(copy))
+        finally:
+            monkeypatch.undo()
+
+    copy = folder.with_name("whole")
+    shutil.copytree(folder, copy)
+    run(copy, 0)
+    total, step = calls, max(1, calls // 12)
+    for last in range(1, total + 1, step):
+        copy = folder.with_name(f"killed-{last}")
+        shutil.copytree(folder, copy)
+        if (child := os.fork()) == 0:
+            run(copy, last)
+            os._exit(0)
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 9
+    return total
+
+
+@pytest.mark.parametrize("n_before", [3, 15])  # after 15 additions, one more makes 16 merge
+@pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
+def test_a_kill_at_any_step_of_adding_leaves_a_map_that_opens(tmp_path, monkeypatch, n_before):
+    made = PlaceMap.create(tmp_path / "map", ABOUT)
+    for i in range(n_before):
+        made.add(ROUTE[i : i + 1])
+    assert every_kill(made.path, monkeypatch, lambda copy: copy.add(ROUTE[n_before : n_before + 1])) > 5
+    for copy in tmp_path.glob("killed-*"):
+        found = PlaceMap.open(copy)
+        assert found.n_places in (n_before, n_before + 1)
+        assert_array_equal(found.descriptors, ROUTE[: found.n_places])
+        found.add(ROUTE[found.n_places : 40])
+        assert_array_equal(PlaceMap.open(copy).descriptors, ROUTE[:40])
+        assert not list(copy.rglob(".*"))
+
+
+@pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
+def test_a_kill_at_any_step_of_freezing_leaves_a_map_that_opens(tmp_path, monkeypatch):
+    made = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    made.add(ROUTE, new_route=True)
+    expected = made.locate(ROUTE[20:40])
+    assert every_kill(made.path, monkeypatch, lambda copy: copy.freeze(index=False)) > 5
+    for copy in tmp_path.glob("killed-*"):
+        found = PlaceMap.open(copy)
+        for ours, theirs in zip(found.locate(ROUTE[20:40]), expected, strict=True):
+            assert_array_equal(ours, theirs)
+        if not found.is_frozen:
+            found.freeze(index=False)
+        assert PlaceMap.open(copy).n_places == 800
+
+
+def test_a_segment_that_is_not_whole_is_no_segment(tmp_path):
+    made = PlaceMap.build(tmp_path / "map", ROUTE[:50], ABOUT)
+    half = tmp_path / "map" / "segments" / ".00000001-00000001.12345678.partial"
+    shutil.copytree(tmp_path / "map" / "segments" / "00000000-00000000", half)
+    (half / "descriptors" / "c.0.0").unlink()
+    assert PlaceMap.open(tmp_path / "map").n_places == 50
+    made.add(ROUTE[50:60])
+    assert PlaceMap.open(tmp_path / "map").n_places == 60
+    assert not half.exists()
+
+
+def test_two_writers_do_not_write_at_once(tmp_path):
+    made = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    with (tmp_path / "map" / "lock").open("a") as other:
+        fcntl.flock(other, fcntl.LOCK_EX)
+        for write in (lambda: made.add(ROUTE), made.freeze):
+            with pytest.raises(InputError, match=r"is being written by another: wait for it to end$"):
+                write()
+        assert PlaceMap.open(tmp_path / "map").locate(ROUTE[:20]).reference[7] == 7  # readers do not wait
+    made.add(ROUTE)
+    assert PlaceMap.open(tmp_path / "map").n_places == 800
+
+
+def test_writers_that_take_turns_see_each_other(tmp_path):
+    first = PlaceMap.create(tmp_path / "map", ABOUT)
+    second = PlaceMap.open(tmp_path / "map")
+    for k in range(20):
+        (first, second)[k % 2].add(ROUTE[k : k + 1], new_route=k == 10)
+    assert_array_equal(PlaceMap.open(tmp_path / "map").descriptors, ROUTE[:20])
+    assert_array_equal(second.routes, np.arange(20) >= 10)
+
+
+def test_a_reader_opens_while_segments_merge(tmp_path):
+    made = PlaceMap.create(tmp_path / "map", ABOUT)
+    made.add(ROUTE[:1])
+    done, sizes = threading.Event(), [0]
+
+    def read():
+        while not done.is_set():
+            found = PlaceMap.open(tmp_path / "map")
+            sizes.append(found.n_places)
+            assert_array_equal(found.descriptors, ROUTE[: found.n_places])
+
+    thread = threading.Thread(target=read)
+    thread.start()
+    for i in range(1, 70):
+        made.add(ROUTE[i : i + 1])
+    done.set()
+    thread.join()
+    assert sizes == sorted(sizes)
+    assert sizes[-1] > 1
+
+
+def test_a_reader_opens_while_the_map_is_frozen(tmp_path, monkeypatch):
+    from insectnav.matching import places
+
+    made, read = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT), places.read_segments
+
+    def frozen_in_the_meantime(*given):
+        monkeypatch.setattr(places, "read_segments", read)
+        made.freeze(index=False)
+        return read(*given)
+
+    monkeypatch.setattr(places, "read_segments", frozen_in_the_meantime)
+    found = PlaceMap.open(tmp_path / "map")
+    assert (found.n_places, found.is_frozen) == (400, True)
+
+
+@pytest.mark.parametrize("index", [False, True])
+def test_queries_change_nothing_on_disk(tmp_path, index):
+    made = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    made.freeze(index=index)
+    before = digests(tmp_path / "map")
+    for folder in [tmp_path / "map", *(path for path in (tmp_path / "map").rglob("*") if path.is_dir())]:
+        folder.chmod(0o555)
+    found = PlaceMap.open(tmp_path / "map")
+    search = "index" if index else "exact"
+    found.locate(ROUTE[100:140], search=search)
+    stream = found.stream(search=search)
+    for frame in ROUTE[100:112]:
+        stream, _ = stream.locate_next(frame)
+    assert digests(tmp_path / "map") == before
+
+
+def damaged(folder: Path) -> str:
+    """The sentence in which a map is refused, when it is opened or first used."""
+    with pytest.raises(InputError) as caught:
+        PlaceMap.open(folder).locate(ROUTE[:20])
+    sentence = str(caught.value)
+    assert "\n" not in sentence
+    assert len(sentence) < 600
+    return sentence
+
+
+ARRAYS = ["descriptors", "times", "positions", "routes", "name_ends", "name_bytes"]
+
+
+@pytest.mark.parametrize("is_frozen", [False, True])
+@pytest.mark.parametrize("name", ARRAYS)
+def test_arrays_that_are_missing_or_cut_off_are_told(tmp_path, name, is_frozen):
+    made = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT, names=["x"] * 400)
+    if is_frozen:
+        made.freeze(index=False)
+    (array,) = (tmp_path / "map").rglob(name)
+    (chunk,) = array.glob("c.0*")
+    whole = chunk.read_bytes()
+    chunk.write_bytes(whole[:-1])
+    assert "expected" in damaged(tmp_path / "map")
+    chunk.unlink()
+    assert f"has 0 bytes, expected {len(whole)}: cut off?" in damaged(tmp_path / "map")
+    (array / "zarr.json").unlink()
+    assert f"/{name}' is missing" in damaged(tmp_path / "map")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"shape": [2**62, 12]},
+        {"shape": [400, 12, 1]},
+        {"shape": [-400, 12]},
+        {"shape": [400.0, 12]},
+        {"shape": "400"},
+        {"data_type": "float32"},
+        {"data_type": "object"},
+        {"data_type": ["float64"]},
+        {"codecs": [{"name": "numcodecs.pickle"}]},
+        {"chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [1, 1]}}},
+        {"dimension_names": ["place", "axis"]},
+        {"node_type": "group"},
+    ],
+)
+def test_arrays_that_are_described_otherwise_are_refused(tmp_path, change):
+    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    (about,) = (tmp_path / "map").rglob("descriptors/zarr.json")
+    about.write_text(json.dumps(json.loads(about.read_text()) | change))
+    assert "array" in damaged(tmp_path / "map")
+
+
+@pytest.mark.parametrize("text", [b"", b"{", b"[]", b"[" * 100_000, b"\xff\xfe", b'"x"', b"null", b" " * 5_000_000])
+@pytest.mark.parametrize("name", ["map.json", "segments/00000000-00000000/times/zarr.json"])
+def test_bad_json_is_refused(tmp_path, name, text):
+    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    (tmp_path / "map" / name).write_bytes(text)
+    assert str(tmp_path / "map" / name)[:60] in damaged(tmp_path / "map")
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"version": 2}, "has format 2, expected at most 1: made by a newer version of insectnav?"),
+        ({"version": "1"}, "is not as it was written: damaged?"),
+        ({"version": 0}, "is not as it was written: damaged?"),
+        ({"format": "zarr"}, "is no map of places: its map.json does not say 'insectnav places'"),
+        ({"places": "../../elsewhere"}, "is not as it was written: damaged?"),
+        ({"places": 3}, "is not as it was written: damaged?"),
+        ({"extra": 3}, "is not as it was written: damaged?"),
+        ({"about": None}, "is damaged: what the map is about is no record"),
+        ({"about": {"metric": "cosine"}}, "is damaged: what the map is about is no record"),
+        ({"about": ABOUT.as_json() | {"n_features": 13}}, "do not fit what the map is about: damaged?"),
+        ({"about": ABOUT.as_json() | {"metric": "hamming"}}, "/bits' is missing"),
+        ({"about": ABOUT.as_json() | {"metric": "??"}}, "is damaged: metric '??' is unknown"),
+        ({"places": "places-00000000"}, "is missing"),
+        ({"index": {"folder": "index-00000000"}}, "is damaged: what it says of the index is no record"),
+    ],
+)
+def test_a_map_file_that_says_something_else_is_refused(tmp_path, change, sentence):
+    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    file = tmp_path / "map" / "map.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | change))
+    assert sentence in damaged(tmp_path / "map")
+
+
+def test_folders_of_others_are_refused(tmp_path):
+    import zarr
+
+    assert damaged(tmp_path).endswith("is no map of places: it has no file map.json")
+    assert "is no map of places" in damaged(tmp_path / "nothing")
+    (tmp_path / "file").write_text("x")
+    assert "is no map of places" in damaged(tmp_path / "file")
+    zarr.create_group(tmp_path / "plain.zarr").create_array("descriptors", data=ROUTE)
+    assert "is no map of places" in damaged(tmp_path / "plain.zarr")
+    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT).add(ROUTE)
+    shutil.rmtree(tmp_path / "map" / "segments" / "00000000-00000000")
+    assert damaged(tmp_path / "map").endswith("lacks what was added as number 0")
+    shutil.rmtree(tmp_path / "map" / "segments")
+    assert damaged(tmp_path / "map").endswith("lacks its folder 'segments'")
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [("routes", [0, 2] * 200), ("routes", [1] * 399 + [0]), ("name_ends", [5] * 400), ("name_ends", [-1] * 400)],
+)
+def test_numbers_that_make_no_sense_are_refused(tmp_path, name, values):
+    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    (array,) = (tmp_path / "map").rglob(name)
+    np.array(values, np.int64).tofile(array / "c.0")
+    assert damaged(tmp_path / "map").endswith("do not fit what the map is about: damaged?")
+
+
+def test_a_full_disk_is_told_and_costs_nothing(tmp_path, monkeypatch):
+    made = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+
+    def full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("insectnav.matching.place_store.synchronise", full)
+    for write in (lambda: made.add(ROUTE), made.freeze, lambda: PlaceMap.build(tmp_path / "new", ROUTE, ABOUT)):
+        with pytest.raises(InputError, match=r"cannot be written \(No space left on device\)$"):
+            write()
+    monkeypatch.undo()
+    assert PlaceMap.open(tmp_path / "map").n_places == 400
+    assert not (tmp_path / "new").exists()
+    assert not list(tmp_path.rglob("*.partial"))
