@@ -52,14 +52,14 @@ _MODULES = {
     "stone2016-clutter": f"{_STONE_2016}.clutter",
     "stone2016-fig-4-1": f"{_STONE_2016_PLACES}.fig_4_1",
     "stone2016-fig-4-2": f"{_STONE_2016_PLACES}.fig_4_2",
-    "recordings-nordland": f"{_RECORDINGS}.nordland",
-    "recordings-sussex": f"{_RECORDINGS}.sussex",
-    "recordings-tilted-skies": f"{_RECORDINGS}.tilted_skies",
-    "recordings-constellations": f"{_RECORDINGS}.constellations",
     "stone2016-fig-5": f"{_STONE_2016_PLACES}.fig_5",
     "stone2016-fig-8": f"{_STONE_2016_PLACES}.fig_8",
     "stone2016-fig-9": f"{_STONE_2016_PLACES}.fig_9",
     "stone2016-cost": f"{_STONE_2016_PLACES}.cost",
+    "recordings-nordland": f"{_RECORDINGS}.nordland",
+    "recordings-sussex": f"{_RECORDINGS}.sussex",
+    "recordings-tilted-skies": f"{_RECORDINGS}.tilted_skies",
+    "recordings-constellations": f"{_RECORDINGS}.constellations",
 }
 
 
