@@ -26,40 +26,42 @@ from insectnav.worlds.sky import Sky
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else "out/examples")
 folder.mkdir(parents=True, exist_ok=True)
-camera = panorama(0.75, (-15.0, 60.0))  # 100 × 480 pixels
+camera = panorama(1.0, (-15.0, 60.0))  # 75 × 360 pixels
 noon = Sky(sun_azimuth=np.deg2rad(140.0), sun_elevation=np.deg2rad(45.0))
 evening = Sky(sun_azimuth=np.deg2rad(220.0), sun_elevation=np.deg2rad(12.0))
 
 
 # %% Pictures along a route: green light, bright enough that one pixel in fifty is white, in bytes
-def pictures(world, sky, start, end, spacing, aside=0.0):
-    reached = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(world.route, axis=0), axis=1))])
+def pictures(lit, route, start, end, spacing, aside=0.0):
+    reached = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1))])
     along = np.arange(start, end, spacing)
     here, before, after = (
-        np.stack([np.interp(along + shift, reached, world.route[:, k]) for k in (0, 1)], axis=-1)
+        np.stack([np.interp(along + shift, reached, route[:, k]) for k in (0, 1)], axis=-1)
         for shift in (0, -1, 1)
     )
     heading = bearing(after - before)
     here = here + aside * np.stack([np.cos(heading), -np.sin(heading)], axis=-1)
     eye = np.column_stack([here, np.full(len(here), 2.0)])
-    green = render(light_world(world, sky), eye, heading, camera=camera, layers=("green",), supersampling=2)["green"]
+    green = render(lit, eye, heading, camera=camera, layers=("green",), supersampling=2)["green"]
     white = np.quantile(green, 0.98, axis=(1, 2), keepdims=True)
     return (255 * np.clip(green / white, 0, 1) ** 0.45).astype(np.uint8), along
 
 
 # %% Words and how they depend on each other, learnt in another city
-training, _ = pictures(build_world("city", seed=2), noon, 0.0, 960.0, 8.0)
+another = build_world("city", seed=2)
+training, _ = pictures(light_world(another, noon), another.route, 0.0, 960.0, 12.0)
 vocabulary = build_vocabulary(training, n_words=300)
 tree = chow_liu_tree(vocabulary.bags(training))
 print(f"{len(training)} training images, {vocabulary.n_words} words, {tree.training.sum(axis=1).mean():.0f} an image")
 
 # %% A map, and the same way again, half a metre aside, at the same hour and in the evening; and streets not in the map
 city = build_world("city", seed=1)
-known, place = pictures(city, noon, 0.0, 480.0, 6.0)
-elsewhere, _ = pictures(city, noon, 700.0, 1000.0, 6.0)
+at_noon, in_the_evening = light_world(city, noon), light_world(city, evening)
+known, place = pictures(at_noon, city.route, 0.0, 480.0, 6.0)
+elsewhere, _ = pictures(at_noon, city.route, 700.0, 1000.0, 6.0)
 drives = {
-    "same hour": pictures(city, noon, 2.0, 470.0, 7.0, aside=0.5),
-    "evening": pictures(city, evening, 2.0, 470.0, 7.0, aside=0.5),
+    "same hour": pictures(at_noon, city.route, 2.0, 470.0, 7.0, aside=0.5),
+    "evening": pictures(in_the_evening, city.route, 2.0, 470.0, 7.0, aside=0.5),
 }
 bags = vocabulary.bags(known)
 found, curves, right = {}, {}, {}
