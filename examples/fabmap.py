@@ -36,8 +36,7 @@ def pictures(lit, route, start, end, spacing, aside=0.0):
     reached = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1))])
     along = np.arange(start, end, spacing)
     here, before, after = (
-        np.stack([np.interp(along + shift, reached, route[:, k]) for k in (0, 1)], axis=-1)
-        for shift in (0, -1, 1)
+        np.stack([np.interp(along + shift, reached, route[:, k]) for k in (0, 1)], axis=-1) for shift in (0, -1, 1)
     )
     heading = bearing(after - before)
     here = here + aside * np.stack([np.cos(heading), -np.sin(heading)], axis=-1)
