@@ -22,7 +22,7 @@ demo: $(READY)
 	$(BIN)/python examples/place_map_from_folders.py
 
 test: lint
-	$(BIN)/python -m pytest -n $(WORKERS) --maxprocesses 8 $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -n $(WORKERS) --maxprocesses 8 --dist worksteal $(PYTEST_ARGS)
 
 bench: $(READY)
 	@set -e; for script in $(sort $(wildcard benchmarks/[!_]*.py)); do \
