@@ -102,7 +102,7 @@ def count_crossings(world: World, eye: Floats, rays: Floats) -> npt.NDArray[np.i
 
 
 def _count_met(scale: Floats, u: Floats, v: Floats, distance: Floats) -> npt.NDArray[np.int64]:
-    """Triangles met by each ray, from coordinates within the triangle and distance, all times a scale of either sign."""
+    """Triangles met by each ray, from coordinates within the triangle and distance, all times a scale of any sign."""
     side = np.sign(scale)
     u, v = side * u, side * v
     is_met = (u >= 0) & (v >= 0) & (u + v <= side * scale) & (side * distance > 0)
