@@ -72,7 +72,13 @@ def test_detour_that_is_not_in_the_map():
 def test_numbers_of_frames_become_numbers_of_references():
     kept = [100, 110, 130]  # frames of which the map was made
     truth = true_matches_by_frames([(0, 100), (30, 130)], [0, 5, 10, 20, 30], reference_frame=kept)
-    np.testing.assert_allclose(truth.reference, [0, 2 / 6, 4 / 6, 8 / 6, 2])  # 30 frames are two references
+    np.testing.assert_allclose(truth.reference, [0, 0.5, 1, 1.5, 2])  # of frames 100, 105, 110, 120, 130
+
+
+def test_key_frames_are_joined_on_the_clock_of_the_references_however_densely_these_were_chosen():
+    """Half way between key frames 0 and 100 is frame 50, which is reference 5, not the third of six steps."""
+    truth = true_matches_by_frames([(0, 0), (100, 100)], [25, 50, 75], [0, 10, 20, 30, 40, 50, 100])
+    np.testing.assert_allclose(truth.reference, [2.5, 5.0, 5.5])
 
 
 def test_truth_serves_precision_and_recall():

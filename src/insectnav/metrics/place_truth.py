@@ -81,7 +81,8 @@ def true_matches_by_frames(
 
     Notes
     -----
-    As the truth of Stone, Differt, Milford & Webb (ICRA 2016) was made. Queries before the first key frame and after
+    As the truth of Stone, Differt, Milford & Webb (ICRA 2016) was made; frames are interpolated, whichever of them are
+    references. Queries before the first key frame and after
     the last are not known.
     """
     keys = as_numbers("key_frames", key_frames).astype(float)
@@ -95,14 +96,15 @@ def true_matches_by_frames(
             f"there are {len(keys)} key frames, expected two at least with frames of the queries that increase: rows "
             "out of order, or query and reference exchanged?"
         )
-    target = keys[:, 1] if reference_frame is None else _numbered(keys[:, 1], reference_frame)
     is_known = (query >= keys[0, 0]) & (query <= keys[-1, 0])
     after = np.clip(np.searchsorted(keys[:, 0], query), 1, len(keys) - 1)
     share = (query - keys[after - 1, 0]) / (keys[after, 0] - keys[after - 1, 0])
-    between = (1 - share) * target[after - 1] + share * target[after]
+    between = (1 - share) * keys[after - 1, 1] + share * keys[after, 1]
     on_key = np.searchsorted(keys[:, 0], query).clip(0, len(keys) - 1)
-    found = np.where(keys[on_key, 0] == query, target[on_key], between)  # a key frame beside a gap is known
+    found = np.where(keys[on_key, 0] == query, keys[on_key, 1], between)  # a key frame beside a gap is known
     found = np.where(is_known, found, np.nan)
+    if reference_frame is not None:
+        found = _numbered(found, keys[:, 1], reference_frame)
     return TrueMatches(found, np.isfinite(found), is_known)
 
 
@@ -113,8 +115,8 @@ def _nearest(query: Reals, reference: Reals) -> tuple[NDArray[np.intp], Reals]:
     return np.asarray(index, np.intp), np.asarray(distance, float)
 
 
-def _numbered(key_frame: Reals, reference_frame: ArrayLike) -> Reals:
-    """Which reference, as a fraction between two, a frame is; NaN stays."""
+def _numbered(frame: Reals, key_frame: Reals, reference_frame: ArrayLike) -> Reals:
+    """Which reference, as a fraction between two, a frame between key frames is; NaN stays."""
     frames = as_numbers("reference_frame", reference_frame).astype(float)
     check_shape("reference_frame", frames, ("reference",))
     check_finite("reference_frame", frames)
@@ -124,4 +126,4 @@ def _numbered(key_frame: Reals, reference_frame: ArrayLike) -> Reals:
     check_range(
         "key frames of the references", known, float(frames[0]), float(frames[-1]), slip="numbers of another recording?"
     )
-    return np.interp(key_frame, frames, np.arange(len(frames), dtype=float))
+    return np.interp(frame, frames, np.arange(len(frames), dtype=float))
