@@ -17,6 +17,7 @@ from insectnav.matching import METRICS, OPENSEQSLAM_V1, MapAbout, PlaceMap, SeqS
 from insectnav.matching.place_arrays import new_places
 from insectnav.matching.place_index import build_index
 from insectnav.matching.place_lookup import coarse_speeds
+from insectnav.matching.place_vote_kernel import propose_starts
 
 RNG = np.random.default_rng(2)
 N, FEATURES = 6000, 32
@@ -204,6 +205,23 @@ def test_an_index_lists_each_place_once():
     low, span = values["scale"]
     listed = low + span * (values["codes"] + 0.5) / 255
     assert np.abs(listed - route[values["places"]]).max() < span.max() / 255 * 1.01 + 1e-3 * span.max()
+
+
+def test_a_start_at_the_end_of_a_route_is_proposed_once():
+    """Windows of one place: starts 3 (the last of route 0), 8 and 5 have three, two and one vote."""
+    places = np.array([[3, 8, 5], [3, 8, -1], [3, -1, -1]])
+    weights, routes = np.ones(places.shape), np.repeat([0, 1], [4, 20])
+    proposed = np.full(8, -1)
+    n = propose_starts(places, weights, routes, np.zeros((1, 3), np.int64), 1, proposed)
+    assert_array_equal(proposed[:n], [3, 9, 6])
+
+
+def test_where_there_is_no_candidate_none_is_near(tmp_path):
+    few = frozen(tmp_path / "map", route=ROUTE[:30], n_routes=1)
+    index = few._index("index")
+    places, distances = index.candidates(QUERIES[:4])
+    assert_array_equal((places >= 0).sum(axis=1), 30)
+    assert_array_equal(np.isinf(distances), places < 0)
 
 
 def refused(call) -> str:

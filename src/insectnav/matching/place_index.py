@@ -216,6 +216,7 @@ class PlaceIndex:
                     distances[k], places[k] = found[0][0], found[1][0]
 
         run_blocks(run, len(vectors), QUERIES_PER_BLOCK, workers)
+        distances[places < 0] = np.inf  # FAISS has the largest number there
         return places, distances
 
 

@@ -39,8 +39,9 @@ def most_voted(starts: Array, votes: Array, routes: Array, apart: int, proposed:
         if middle >= len(routes) or routes[middle] != routes[starts[top]]:
             middle = starts[top]
         proposed[n] = middle
+        chosen = starts[top]
         for i in range(len(starts)):
-            if abs(starts[i] + 1 - middle) < apart:
+            if abs(starts[i] - chosen) < apart:
                 votes[i] = 0.0
         n += 1
     return n
