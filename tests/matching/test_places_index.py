@@ -216,6 +216,15 @@ def test_a_start_at_the_end_of_a_route_is_proposed_once():
     assert_array_equal(proposed[:n], [3, 9, 6])
 
 
+def test_a_start_on_another_route_is_proposed_however_near_its_number():
+    """The window of a start ends with its route, as in exact search: 3 and 4 are on two routes, 10 and 12 on one."""
+    places = np.array([[3, 4, 10, 12], [3, 4, 10, -1], [3, -1, 10, -1], [3, -1, -1, -1]])
+    weights, routes = np.ones(places.shape), np.repeat([0, 1], [4, 20])
+    proposed = np.full(8, -1)
+    n = propose_starts(places, weights, routes, np.zeros((1, 4), np.int64), 6, proposed)
+    assert_array_equal(proposed[:n], [3, 11, 5])
+
+
 def test_where_there_is_no_candidate_none_is_near(tmp_path):
     few = frozen(tmp_path / "map", route=ROUTE[:30], n_routes=1)
     index = few._index("index")

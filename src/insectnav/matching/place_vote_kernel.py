@@ -41,7 +41,7 @@ def most_voted(starts: Array, votes: Array, routes: Array, apart: int, proposed:
         proposed[n] = middle
         chosen = starts[top]
         for i in range(len(starts)):
-            if abs(starts[i] - chosen) < apart:
+            if abs(starts[i] - chosen) < apart and routes[starts[i]] == routes[chosen]:
                 votes[i] = 0.0
         n += 1
     return n
