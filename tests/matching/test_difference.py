@@ -58,6 +58,29 @@ def test_near_vectors_keep_their_digits(metric, n_features):
     assert_allclose(found, expected, rtol=1e-6 if n_features == 50 else 2e-2 if metric == "cosine" else 1e-5)
 
 
+@pytest.mark.parametrize("metric", ["cosine", "euclidean", "absolute"])
+@pytest.mark.parametrize("kind", [bool, np.uint8, np.float32])
+def test_sums_over_whole_pictures_keep_their_digits(metric, kind):
+    """Sums of 400 000 like terms in single precision, one after the other, are a thousandth off."""
+    rng = np.random.default_rng(1)
+    references, queries = (rng.integers(0, 2 if kind is bool else 256, (2, 400_000)).astype(kind) for _ in range(2))
+    assert_allclose(difference_matrix(references, queries, metric), plain(references, queries, metric), rtol=3e-6)
+
+
+@pytest.mark.parametrize("n_features", [3, 600])
+@pytest.mark.parametrize("magnitude", [1e-160, 1e-40, 1e150, 1e300])
+def test_cosine_does_not_see_the_unit(magnitude, n_features):
+    frames = np.random.default_rng(1).normal(size=(2, 5, n_features))
+    assert_allclose(difference_matrix(*magnitude * frames), difference_matrix(*frames), rtol=1e-5)
+
+
+@pytest.mark.parametrize("magnitude", [1e-25, 1e25])
+def test_distances_need_no_room_for_their_squares(magnitude):
+    references, queries = (x * magnitude for x in REAL)
+    expected = plain(references, queries, "euclidean")
+    assert_allclose(difference_matrix(references, queries, "euclidean"), expected, rtol=1e-6)
+
+
 @pytest.mark.parametrize("metric", METRICS)
 def test_equal_frames_do_not_differ(metric):
     frames = BITS[0] if metric == "hamming" else REAL[0]

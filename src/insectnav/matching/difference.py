@@ -47,9 +47,9 @@ def difference_matrix(
 
     Notes
     -----
-    Each difference is summed feature by feature, in double precision up to 512 features, above in single: equal vectors
-    differ by 0, near ones keep their digits, and a difference does not depend on what else is compared. "euclidean"
-    takes the mean of the references off first where it sums in single precision.
+    Each difference is summed feature by feature, in double precision up to 512 features, above in single with the sums
+    of 128 added up in double: equal vectors differ by 0, near ones keep their digits, and a difference does not depend
+    on what else is compared. "euclidean" takes the mean of the references off first where it sums in single precision.
     """
     return prepare_references(references, metric).differences(queries, workers=workers)
 
@@ -215,9 +215,19 @@ def _scaled(vectors: NDArray[Any], metric: str, common: Common) -> Reals:
 
 def _unit(vectors: NDArray[Any], dtype: np.dtype[Any]) -> Reals:
     """Vectors over their lengths; 0 where there is no length."""
-    length = np.sqrt(np.einsum("ij,ij->i", vectors, vectors, dtype=np.float64))[:, None]
-    scale = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0.0)
+    length = _lengths(vectors)
+    is_extreme = ~((length > 1e-30) & (length < 1e30))  # whose squares, or inverse in single precision, have no room
+    if is_extreme.any():
+        largest = np.abs(vectors[is_extreme]).max(axis=1, keepdims=True)
+        vectors = vectors.copy()
+        vectors[is_extreme] = vectors[is_extreme] / np.where(largest > 0, largest, 1)
+        length[is_extreme] = _lengths(vectors[is_extreme])
+    scale = np.divide(1.0, length, out=np.zeros_like(length), where=length > 0.0)[:, None]
     return np.asarray(vectors * scale.astype(dtype)).astype(dtype, copy=False)
+
+
+def _lengths(vectors: NDArray[Any]) -> Reals:
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors, dtype=np.float64)))
 
 
 def _beside_each_other(vectors: Reals) -> Reals:
@@ -242,9 +252,8 @@ def _compare(references: References, query: NDArray[Any], out: Reals, first: int
     elif reference.dtype == np.uint8:
         difference_kernel.sum_byte_differences(query, reference, first, last, scale, out)
     elif metric in ("absolute", "openseqslam-v1"):
-        difference_kernel.sum_differences(query, reference, first, last, False, scale, out)
+        difference_kernel.sum_differences(query, reference, first, last, False, False, scale, out)
     else:
         is_cosine = metric == "cosine"  # |a − b|² = 2 − 2 a·b of unit vectors
-        difference_kernel.sum_differences(query, reference, first, last, True, 2.0 if is_cosine else 1.0, out)
-        if not is_cosine:
-            np.sqrt(out[first:last], out=out[first:last])
+        scale = 2.0 if is_cosine else 1.0
+        difference_kernel.sum_differences(query, reference, first, last, True, not is_cosine, scale, out)

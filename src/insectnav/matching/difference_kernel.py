@@ -12,6 +12,7 @@ from insectnav.lanes.compiled import kernel, lane_function
 from insectnav.lanes.vector import address, fill, fma, load, maximum, store
 
 Array = NDArray[Any]
+PIECE = 128  # features that are summed in the precision of the vectors
 TILE = 32  # references that stay in the cache while all queries of a block pass by
 
 
@@ -57,37 +58,60 @@ def add_term(total: Any, apart: Any, is_square: bool) -> Any:
     return fma(apart, apart, total) if is_square else total + maximum(apart, -apart)
 
 
+@lane_function
+def add_piece(
+    reference: Any, row: int, query: Any, at: Any, first: int, last: int, is_square: bool, sums: Array, out: Any
+) -> None:
+    """Add to ``sums`` (query, lane) what features ``first`` … ``last`` − 1 of four queries give, by way of ``out``."""
+    p0, p1, p2, p3 = at
+    a = fill(0.0, load(reference, 0))
+    b, c, d = a, a, a
+    for k in range(first, last):
+        there = load(reference, row + k)
+        a = add_term(a, there - query[p0 + k], is_square)
+        b = add_term(b, there - query[p1 + k], is_square)
+        c = add_term(c, there - query[p2 + k], is_square)
+        d = add_term(d, there - query[p3 + k], is_square)
+    store(address(out), 0, a)
+    store(address(out), 1, b)
+    store(address(out), 2, c)
+    store(address(out), 3, d)
+    for i in range(4):
+        for j in range(LANES):
+            sums[i, j] += out[i, j]
+
+
 @kernel
 def sum_differences(
-    queries: Array, references: Array, first: int, last: int, is_square: bool, scale: float, out: Array
+    queries: Array,
+    references: Array,
+    first: int,
+    last: int,
+    is_square: bool,
+    is_root: bool,
+    scale: float,
+    out: Array,
 ) -> None:
-    """Sum of absolute or squared differences over ``scale``, rows ``first`` … ``last`` − 1 of (query, reference).
+    """Sum of absolute or squared differences over ``scale``, or the root of it, rows ``first`` … ``last`` − 1 of out.
 
     References lie side by side, (block, feature, lane). Each sum runs over the features in order, whatever else is
-    compared. Four queries share what is loaded; at the end, some of the four may be the same.
-    """
+    compared; pieces of it are added up in double precision, or long sums would lose digits. Four queries share what is
+    loaded; at the end, some of the four may be the same.
+    """  # fmt: skip
     n, n_references = queries.shape[1], out.shape[1]
-    sums_array = np.empty((4, LANES), references.dtype)
-    query, reference, sums = address(queries), address(references), address(sums_array)
+    piece, sums = np.empty((4, LANES), references.dtype), np.empty((4, LANES))
+    query, reference = address(queries), address(references)
     for block in range(len(references)):
         n_filled = min(LANES, n_references - block * LANES)
         for q in range(first, last, 4):
-            p0, p1, p2, p3 = q * n, min(q + 1, last - 1) * n, min(q + 2, last - 1) * n, min(q + 3, last - 1) * n
-            a = fill(0.0, load(reference, 0))
-            b, c, d = a, a, a
-            for k in range(n):
-                row = load(reference, block * n + k)
-                a = add_term(a, row - query[p0 + k], is_square)
-                b = add_term(b, row - query[p1 + k], is_square)
-                c = add_term(c, row - query[p2 + k], is_square)
-                d = add_term(d, row - query[p3 + k], is_square)
-            store(sums, 0, a / scale)
-            store(sums, 1, b / scale)
-            store(sums, 2, c / scale)
-            store(sums, 3, d / scale)
+            at = q * n, min(q + 1, last - 1) * n, min(q + 2, last - 1) * n, min(q + 3, last - 1) * n
+            sums[:] = 0.0
+            for start in range(0, n, PIECE):
+                add_piece(reference, block * n, query, at, start, min(start + PIECE, n), is_square, sums, piece)
             for i in range(min(4, last - q)):
                 for j in range(n_filled):
-                    out[q + i, block * LANES + j] = sums_array[i, j]
+                    total = sums[i, j] / scale
+                    out[q + i, block * LANES + j] = np.sqrt(total) if is_root else total
 
 
 @kernel
