@@ -225,6 +225,13 @@ def test_a_start_on_another_route_is_proposed_however_near_its_number():
     assert_array_equal(proposed[:n], [3, 11, 5])
 
 
+@pytest.mark.parametrize("magnitude", [1e-25, 1e25])
+def test_an_index_by_cosine_does_not_see_the_unit(tmp_path, magnitude):
+    queries = np.float32(magnitude) * QUERIES[:12]
+    made = frozen(tmp_path / "map", "cosine", np.float32(magnitude) * ROUTE[2980:3120], n_routes=1)
+    same(made.locate(queries, search="index"), made.locate(queries, search="exact"))
+
+
 def test_where_there_is_no_candidate_none_is_near(tmp_path):
     few = frozen(tmp_path / "map", route=ROUTE[:30], n_routes=1)
     index = few._index("index")

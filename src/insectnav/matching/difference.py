@@ -207,13 +207,13 @@ def _scaled(vectors: NDArray[Any], metric: str, common: Common) -> Reals:
     """Vectors less the middle or over their lengths, in the precision in which differences are summed."""
     is_short = vectors.shape[1] <= FEW_FEATURES
     if metric == "cosine":
-        return _unit(vectors, np.dtype(np.float64 if is_short else np.float32))
+        return unit_vectors(vectors, np.dtype(np.float64 if is_short else np.float32))
     if metric == "euclidean":
         return vectors.astype(np.float64) if is_short else (vectors - common.middle).astype(np.float32)
     return vectors.astype(np.float32 if vectors.dtype == np.float32 else np.float64)
 
 
-def _unit(vectors: NDArray[Any], dtype: np.dtype[Any]) -> Reals:
+def unit_vectors(vectors: NDArray[Any], dtype: np.dtype[Any]) -> Reals:
     """Vectors over their lengths; 0 where there is no length."""
     length = _lengths(vectors)
     is_extreme = ~((length > 1e-30) & (length < 1e30))  # whose squares, or inverse in single precision, have no room

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_count
 from insectnav.matching.blocks import run_blocks
-from insectnav.matching.difference import checked_vectors
+from insectnav.matching.difference import checked_vectors, unit_vectors
 from insectnav.matching.place_arrays import PlaceArrays
 from insectnav.matching.place_store import Arrays, DamagedError, chunk_file, read_arrays
 
@@ -92,10 +92,7 @@ def _one_thread() -> Iterator[Any]:
 def index_vectors(descriptors: NDArray[Any], metric: str) -> tuple[Reals, NDArray[np.bool_]]:
     """Descriptors such that near ones have a small Euclidean distance, and which of them are missing."""
     vectors, is_missing = checked_vectors("descriptors", descriptors)
-    values = vectors.astype(np.float32)
-    if metric == "cosine":
-        length = np.sqrt(np.einsum("ij,ij->i", values, values))[:, None]
-        values = np.divide(values, length, out=np.zeros_like(values), where=length > 0.0)
+    values = unit_vectors(vectors, np.dtype(np.float32)) if metric == "cosine" else vectors.astype(np.float32)
     return np.ascontiguousarray(values), is_missing
 
 
