@@ -389,3 +389,33 @@ def test_positions_on_earth_have_one_origin(run, walk: Path):
     for arguments in (["locate", "m", "winter", *metres], adding, ["evaluate", "m.csv", *metres, "--map", "m"]):
         assert_refused(run("map", *arguments), words)
     assert strict(run("map", "info", "m", "--json").out)["places"] == N_FRAMES
+
+
+MATCHES = "query,name,reference,reference_name,route,score,has_sequence\n"
+
+
+def test_a_table_that_went_through_a_spreadsheet_is_read(run, walk: Path):
+    (walk / "m.csv").write_text(MATCHES + "0,a,0.0,p,0.0,0.1,1\n1,b,-1.0,,,,1\n2,c,2.0,q,0.0,0.2,1\n", newline="\r\n")
+    numbers = strict(run("map", "evaluate", "m.csv", "--same-index", "--json").out)["numbers"]
+    assert (numbers["matched"], numbers["right"], numbers["can_be_matched"]) == (2, 2, 3)
+
+
+def test_a_table_without_any_match_has_no_recall(run, walk: Path):
+    (walk / "m.csv").write_text(MATCHES + "0,a,-1,,,,1\n1,b,-1,,,,1\n")
+    numbers = strict(run("map", "evaluate", "m.csv", "--same-index", "--json").out)["numbers"]
+    assert (numbers["matched"], numbers["right"], numbers["recall_of_all"]) == (0, 0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("0,a,1.5,p,0,0.1,1", "line 2 of 'm.csv' has the reference 1.5, expected a whole number from -1"),
+        ("0,a,1e12,p,0,0.1,1", "line 2 of 'm.csv' has the reference 1e+12, expected a whole number from -1"),
+        ("0,a,inf,p,0,0.1,1", "line 2 of 'm.csv' has the reference inf, expected a whole number from -1"),
+        ("0,a,1,p,-3,0.1,1", "line 2 of 'm.csv' has the route -3, expected a whole number from 0"),
+        ("0,a,1,p,x,0.1,1", "line 2 of 'm.csv' has the route 'x', expected a number"),
+    ],
+)
+def test_a_table_with_odd_places_or_routes_is_refused(run, walk: Path, line: str, words: str):
+    (walk / "m.csv").write_text(MATCHES + line + "\n")
+    assert_refused(run("map", "evaluate", "m.csv", "--same-index"), words)

@@ -39,7 +39,8 @@ MATCH_COLUMNS = (
     "y",
     "z",
 )
-READ_COLUMNS = ("query", "reference", "score", "speed", "time_s", "has_sequence", *"xyz")
+READ_COLUMNS = ("query", "reference", "route", "score", "speed", "time_s", "has_sequence", *"xyz")
+MAX_PLACES = 10_000_000  # of a table of matches, whose places in between take memory, too
 ANGLE_COLUMNS = ("heading_deg", "pitch_deg", "roll_deg")  # of the query in the frame of its match
 
 
@@ -226,20 +227,36 @@ def read_matches(path: str | os.PathLike[str]) -> Located:
         raise InputError(
             f"{shown} does not number its queries 0, 1, 2, …, expected all of them in order: sorted or cut?"
         )
-    reference = np.where(np.isnan(values["reference"]), -1, values["reference"]).astype(np.int64)
-    return _without_map(rows, reference, values)
+    reference = _whole_numbers(values["reference"], "reference", -1, shown)
+    routes = _whole_numbers(np.where(reference >= 0, values["route"], 0.0), "route", 0, shown)
+    return _without_map(rows, reference, routes, values)
 
 
-def _without_map(rows: list[dict[str, str]], reference: Integers, values: dict[str, Reals]) -> Located:
+def _whole_numbers(values: Reals, name: str, missing: int, shown: str) -> Integers:
+    """Values of a column that counts, from `missing`, which an empty cell stands for."""
+    counts = np.where(np.isnan(values), missing, values)
+    is_off = (counts != np.round(counts)) | (counts < missing) | (counts > MAX_PLACES)
+    if is_off.any():
+        row = int(np.argmax(is_off))
+        raise InputError(
+            f"line {row + 2} of {shown} has the {name} {counts[row]:g}, expected a whole number from {missing} to "
+            f"{MAX_PLACES}"
+        )
+    return np.asarray(counts, np.int64)
+
+
+def _without_map(
+    rows: list[dict[str, str]], reference: Integers, route: Integers, values: dict[str, Reals]
+) -> Located:
     """Of the map the places that were matched: those in between have neither names nor positions."""
-    n_places = int(reference.max(initial=-1)) + 1
+    n_places = int(reference.max(initial=0)) + 1  # one at least, which no query matches if none has a match
     names, positions = [""] * n_places, np.full((n_places, 3), np.nan)
     routes = np.zeros(n_places, np.int64)
     for row, place in zip(rows, reference.tolist(), strict=True):
         if place >= 0:
             names[place] = row.get("reference_name", "")
-            routes[place] = int(row.get("route") or 0)
     seen = reference[reference >= 0]
+    routes[seen] = route[reference >= 0]
     positions[seen] = np.stack([values[axis] for axis in "xyz"], axis=-1)[reference >= 0]
     return Located(
         names=[row.get("name", "") for row in rows],
