@@ -69,15 +69,16 @@ def same_index(matched: Integers, routes: Integers, tolerance: float, *, is_whol
     is_whole_map : whether these are all places; if not, every query is taken to have one
     """
     check_range("tolerance-frames", tolerance, 0.0, np.inf)
-    firsts = {int(route): int(np.argmax(routes == route)) for route in np.unique(routes)}
-    within = np.arange(len(routes)) - np.array([firsts[int(route)] for route in routes], np.int64)
-    query = np.arange(len(matched))
-    error = np.where(matched >= 0, np.abs(within[np.maximum(matched, 0)] - query), np.nan)
-    is_in_map = (query <= within.max(initial=-1)) | (not is_whole_map)
-    reference = np.where(is_in_map, query, np.nan)
-    if len(firsts) > 1:  # in the route of the match
-        own = np.array([firsts[int(routes[place])] for place in np.maximum(matched, 0)])
-        reference = np.where(matched >= 0, own + query, reference)
+    _, firsts, route, lengths = np.unique(routes, return_index=True, return_inverse=True, return_counts=True)
+    query, own = np.arange(len(matched)), route[np.maximum(matched, 0)]
+    reference = np.full(len(matched), np.nan) if is_whole_map else query.astype(float)
+    for first, length in zip(firsts[::-1], lengths[::-1], strict=True):  # ends with the first that goes so far
+        reference[:length] = first + query[:length]
+    is_in_own = (matched >= 0) & (query < lengths[own])
+    reference = np.where(is_in_own, firsts[own] + query, reference)
+    is_in_map = np.isfinite(reference)
+    within = matched - firsts[own]
+    error = np.where((matched >= 0) & is_in_map, np.abs(within - query), np.nan)
     return Truth(
         reference=reference,
         error=error,
