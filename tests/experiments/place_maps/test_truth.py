@@ -52,6 +52,20 @@ def test_straight_lines_between_key_frames():
     assert_array_equal(truth.is_in_map, [False, True, True, True, False, False])
 
 
+def test_key_frames_beyond_either_recording_are_refused():
+    matched = np.array([0, 1, 2])
+    for keys, words in (([[0, 0], [3, 2]], "key frames of the queries"), ([[0, 0], [2, 9]], "key frames of the map")):
+        with pytest.raises(InputError, match=words):
+            between_key_frames(matched, np.array(keys, float), 1.0, "by eye", 9)
+    assert between_key_frames(matched, np.array([[0.0, 0.0], [2.0, 9.0]]), 1.0, "by eye").is_known.all()
+
+
+def test_the_table_has_the_fraction_of_a_true_place():
+    truth = between_key_frames(np.array([0, 1, 2, -1]), np.array([[0, 0], [2, 1], [3, np.nan]]), 1.0, "by eye")
+    rows = located([0, 1, 2, -1], None, truth).rows()
+    assert [row["true_reference"] for row in rows] == [0, 0.5, 1, ""]
+
+
 def test_distance_over_the_ground():
     places = np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 90.0], [np.nan, np.nan, np.nan]])
     queries = np.array([[0.0, 0.0, 5.0], [0.0, 0.0, 0.0], [30.0, 0.0, 0.0], [np.nan] * 3, [3.0, 3.0, 0.0]])

@@ -257,7 +257,7 @@ def truth_in_frames(found: Located, known: TruthParams, n_places: int | None) ->
     if known.key_frames is not None:
         keys = read_key_frames(known.key_frames)
         source = f"straight lines between the key frames of {os.path.basename(known.key_frames)} (--key-frames)"
-        return between_key_frames(found.reference, keys, known.tolerance, source)
+        return between_key_frames(found.reference, keys, known.tolerance, source, n_places)
     return None
 
 

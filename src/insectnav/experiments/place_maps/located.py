@@ -140,7 +140,7 @@ class Located:
                 row |= dict(zip(ANGLE_COLUMNS, self.angles_deg[k].tolist(), strict=True))
             if truth is not None:
                 row |= {
-                    "true_reference": _whole(truth.reference[k]),
+                    "true_reference": _number_of_place(float(truth.reference[k])),
                     "is_right": int(truth.is_right[k]) if truth.is_known[k] and reference >= 0 else "",
                     "error": float(truth.error[k]),
                     "error_unit": truth.unit,
@@ -299,8 +299,11 @@ def _cell(value: Any) -> Any:
     return value
 
 
-def _whole(value: float) -> int | str:
-    return int(value) if np.isfinite(value) else ""
+def _number_of_place(value: float) -> int | float | str:
+    """Number of a true place, between two of them as a fraction; an empty cell where there is none."""
+    if not np.isfinite(value):
+        return ""
+    return int(value) if value.is_integer() else value
 
 
 def _median(values: Reals) -> float:

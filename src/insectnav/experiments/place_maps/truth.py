@@ -124,7 +124,9 @@ def from_pairs(matched: Integers, pairs: Mapping[int, int], tolerance: float, so
     )
 
 
-def between_key_frames(matched: Integers, key_frames: Reals, tolerance: float, source: str) -> Truth:
+def between_key_frames(
+    matched: Integers, key_frames: Reals, tolerance: float, source: str, n_references: int | None = None
+) -> Truth:
     """Truth between frames that a person has matched; queries before the first and after the last are not judged.
 
     Parameters
@@ -133,8 +135,13 @@ def between_key_frames(matched: Integers, key_frames: Reals, tolerance: float, s
     key_frames : (key frame, 2) numbers of queries and places, as of `metrics.place_truth.true_matches_by_frames`
     tolerance : [frame]
     source : in words
+    n_references : places in the map; None if the matches alone are known
     """
     check_range("tolerance-frames", tolerance, 0.0, np.inf)
+    slip = "of another recording, or thinned otherwise?"
+    check_range("key frames of the queries", key_frames[:, 0], 0, len(matched) - 1, slip=slip)
+    places = key_frames[np.isfinite(key_frames[:, 1]), 1]
+    check_range("key frames of the map", places, 0, np.inf if n_references is None else n_references - 1, slip=slip)
     true = true_matches_by_frames(key_frames, np.arange(len(matched)))
     return Truth(
         reference=true.reference,
