@@ -163,6 +163,11 @@ def test_only_corrupt_pictures_are_refused_and_nothing_is_left(run, walk: Path):
         (["map", "locate", "route", "winter", "--tolerance-m", "2"], "--tolerance-m is given without --positions"),
         (["map", "locate", "route", "winter", "--same-index", "--truth", "t.csv"], "--truth and --same-index are"),
         (["map", "locate", "route", "winter", "--truth", "t.csv"], "has the columns a, b, expected"),
+        (["map", "locate", "route", "winter", "--truth", "twice.csv"], "line 4 of --truth 'twice.csv' gives query 1 another"),
+        (["map", "locate", "route", "winter", "--threshold", "nan"], "threshold is nan, expected 0 to"),
+        (["map", "locate", "route", "winter", "--threshold", "-0.1"], "threshold is -0.1, expected 0 to"),
+        (["map", "locate", "route", "winter", "--threshold", "inf"], "threshold is inf, expected 0 to"),
+        (["map", "locate", "route", "winter", "--out", "x", "--page", "./x"], "--out and --page are both 'x'"),
         (["map", "locate", "route", "winter", "--search", "fast"], "fast"),
         (["map", "evaluate", "route", "winter"], "nothing is known of the truth"),
         (["map", "evaluate", "route"], "is a map, expected frames after it"),
@@ -177,6 +182,7 @@ def test_what_cannot_be_done_is_said_in_one_sentence(run, walk: Path, arguments:
     write_pictures(walk / "few", views(8))
     (walk / "there.csv").write_text("mine")
     (walk / "t.csv").write_text("a,b\n1,2\n")
+    (walk / "twice.csv").write_text("query,reference\n0,0\n1,1\n1,5\n")
     before = everything(walk)
     assert_refused(run(*arguments), words)
     assert everything(walk) == before
@@ -419,3 +425,14 @@ def test_a_table_without_any_match_has_no_recall(run, walk: Path):
 def test_a_table_with_odd_places_or_routes_is_refused(run, walk: Path, line: str, words: str):
     (walk / "m.csv").write_text(MATCHES + line + "\n")
     assert_refused(run("map", "evaluate", "m.csv", "--same-index"), words)
+
+
+def test_features_too_large_for_half_of_double_precision_are_missing(run, walk: Path):
+    route = np.random.default_rng(0).normal(size=(20, 8))
+    route[3, 2] = 1e300
+    np.save(walk / "a.npy", route)
+    built = strict(run("map", "build", "a.npy", "m", "--descriptor", "own", "--json").out)
+    assert built["missing"] == 1
+    assert built["notes"] == [
+        "missing frame a_000003: its features are NaN, infinite or beyond 3e38, expected finite numbers"
+    ]

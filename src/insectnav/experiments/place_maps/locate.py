@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.checks import InputError, quoted
+from insectnav.checks import InputError, check_range, quoted
 from insectnav.datasets.key_frames import read_key_frames
 from insectnav.experiments.place_maps.compare import compare
 from insectnav.experiments.place_maps.describe import OF_PICTURES, ROTATED, DescribeParams
@@ -95,6 +96,11 @@ class LocateParams:
     search : "auto", "exact" or "index", as of `PlaceMap.locate`
     threshold : matches of this score or less are kept; None keeps all
     truth : TruthParams
+
+    Raises
+    ------
+    InputError
+        If the threshold is no score.
     """
 
     frames: FrameParams = field(default_factory=FrameParams)
@@ -102,6 +108,10 @@ class LocateParams:
     search: str = "auto"
     threshold: float | None = None
     truth: TruthParams = TruthParams()
+
+    def __post_init__(self) -> None:
+        if self.threshold is not None:
+            check_range("threshold", self.threshold, 0.0, sys.float_info.max)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -228,7 +228,11 @@ def read_pairs(
             if text in ("", "-1")
             else _number(text, of_reference, f"line {number} of --truth {shown} names the place")
         )
-        pairs[own] = known
+        if pairs.setdefault(own, known) != known:
+            raise InputError(
+                f"line {number} of --truth {shown} gives query {own} another place than a line above, expected one "
+                "for each: names that are numbers, which count before the numbers from 0?"
+            )
     return pairs
 
 
