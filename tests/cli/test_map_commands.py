@@ -436,3 +436,17 @@ def test_features_too_large_for_half_of_double_precision_are_missing(run, walk: 
     assert built["notes"] == [
         "missing frame a_000003: its features are NaN, infinite or beyond 3e38, expected finite numbers"
     ]
+
+
+def test_positions_by_number_are_those_of_all_frames_whatever_the_step(run, walk: Path):
+    lines = ["frame,x_m,y_m", *(f"{k},{3.0 * k},0" for k in range(N_FRAMES))]
+    (walk / "where.csv").write_text("\n".join(lines))
+    where = ("--positions", "where.csv", "--tolerance-m", "4")
+    assert run("map", "build", "summer", "route", "--positions", "where.csv", "--step", "2").code == 0
+    located = ("map", "locate", "route", "winter", *where, "--step", "2", "--out", "m.csv", "--json")
+    found = strict(run(*located).out)["numbers"]
+    judged = strict(run("map", "evaluate", "m.csv", *where, "--map", "route", "--json").out)["numbers"]
+    assert [row["frame"] for row in table(walk / "m.csv")] == [str(2 * k) for k in range(N_FRAMES // 2)]
+    for name in ("right", "judged", "recall_of_all", "error_largest"):
+        assert judged[name] == found[name]
+    assert judged["right"] == N_FRAMES // 2 - 10

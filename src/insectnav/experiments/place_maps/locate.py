@@ -216,6 +216,7 @@ def _matched(
     positions = np.stack([one.frame.position for one in queries])
     return Located(
         names=[one.frame.name for one in queries],
+        frames=np.array([one.frame.number for one in queries]),
         times=np.array([one.frame.time for one in queries]),
         reference=np.asarray(matches.reference, np.int64),
         score=np.asarray(matches.score, np.float64),

@@ -28,6 +28,7 @@ Bools = NDArray[np.bool_]
 MATCH_COLUMNS = (
     "query",
     "name",
+    "frame",
     "time_s",
     "reference",
     "reference_name",
@@ -39,7 +40,7 @@ MATCH_COLUMNS = (
     "y",
     "z",
 )
-READ_COLUMNS = ("query", "reference", "route", "score", "speed", "time_s", "has_sequence", *"xyz")
+READ_COLUMNS = ("query", "frame", "reference", "route", "score", "speed", "time_s", "has_sequence", *"xyz")
 MAX_PLACES = 10_000_000  # of a table of matches, whose places in between take memory, too
 ANGLE_COLUMNS = ("heading_deg", "pitch_deg", "roll_deg")  # of the query in the frame of its match
 
@@ -59,6 +60,7 @@ class Located:
     angles_deg : (query, 3) heading, pitch and roll of each query in the frame of its match [°]; None if unknown
     query_positions : (query, 3) [m], NaN if unknown; None if no query has one
     truth : None if nothing is known
+    frames : (query,) number of each among all frames of its source, from 0; None if all frames were taken
     """
 
     names: Sequence[str]
@@ -74,6 +76,7 @@ class Located:
     angles_deg: Reals | None = None
     query_positions: Reals | None = None
     truth: Truth | None = None
+    frames: Integers | None = None
 
     @property
     def is_matched(self) -> Bools:
@@ -121,11 +124,13 @@ class Located:
     def rows(self) -> list[dict[str, Any]]:
         """One for each query, for a table."""
         truth, kept, place, whole = self.truth, self.is_kept, self.positions, self.has_sequence
+        frames = range(len(self.names)) if self.frames is None else self.frames.tolist()
         rows = []
         for k, reference in enumerate(self.reference.tolist()):
             row: dict[str, Any] = {
                 "query": k,
                 "name": self.names[k],
+                "frame": frames[k],
                 "time_s": float(self.times[k]),
                 "reference": reference,
                 "reference_name": self.place_names[reference] if reference >= 0 else "",
@@ -229,7 +234,8 @@ def read_matches(path: str | os.PathLike[str]) -> Located:
         )
     reference = _whole_numbers(values["reference"], "reference", -1, shown)
     routes = _whole_numbers(np.where(reference >= 0, values["route"], 0.0), "route", 0, shown)
-    return _without_map(rows, reference, routes, values)
+    frames = np.where(np.isnan(values["frame"]), values["query"], values["frame"])
+    return _without_map(rows, reference, routes, _whole_numbers(frames, "frame", 0, shown), values)
 
 
 def _whole_numbers(values: Reals, name: str, missing: int, shown: str) -> Integers:
@@ -246,7 +252,7 @@ def _whole_numbers(values: Reals, name: str, missing: int, shown: str) -> Intege
 
 
 def _without_map(
-    rows: list[dict[str, str]], reference: Integers, route: Integers, values: dict[str, Reals]
+    rows: list[dict[str, str]], reference: Integers, route: Integers, frames: Integers, values: dict[str, Reals]
 ) -> Located:
     """Of the map the places that were matched: those in between have neither names nor positions."""
     n_places = int(reference.max(initial=0)) + 1  # one at least, which no query matches if none has a match
@@ -268,6 +274,7 @@ def _without_map(
         place_positions=positions,
         place_routes=routes,
         half_sequence=int(np.argmax(values["has_sequence"] != 0)),  # all of them where the table does not say
+        frames=frames,
     )
 
 
