@@ -450,3 +450,30 @@ def test_positions_by_number_are_those_of_all_frames_whatever_the_step(run, walk
     for name in ("right", "judged", "recall_of_all", "error_largest"):
         assert judged[name] == found[name]
     assert judged["right"] == N_FRAMES // 2 - 10
+
+
+@pytest.mark.parametrize(
+    ("frames", "folder"), [("winter/frame*.png", "frame"), ("winter/*.png", "winter"), ("winter/frame?*", "frame"), ("winter", "winter")]
+)
+def test_frames_by_a_pattern_leave_a_folder_without_stars(run, walk: Path, frames: str, folder: str):
+    assert run("map", "build", "summer", "route").code == 0
+    assert run("map", "locate", "route", frames).code == 0
+    assert [path.name for path in (walk / "out").iterdir()] == [f"locate-{folder}"]
+
+
+def test_the_folder_one_is_in_has_its_name_in_the_title(run, walk: Path, monkeypatch):
+    assert run("map", "build", "summer", "route").code == 0
+    monkeypatch.chdir(walk / "winter")
+    assert run("map", "locate", "../route", ".", "--page", "../page.html").code == 0
+    assert "<title>insectnav: winter located in route</title>" in (walk / "page.html").read_text(encoding="utf-8")
+
+
+def test_positions_that_say_nothing_of_the_frames_are_told(run, walk: Path):
+    names = [f"frame{k}.png" for k in range(N_FRAMES)]
+    (walk / "where.csv").write_text("\n".join(["file,x_m,y_m", *(f"{name},," for name in names)]))
+    built = strict(run("map", "build", "summer", "route", "--positions", "where.csv", "--json").out)
+    assert built["notes"] == ["no frame has a position, since 'where.csv' has none of x and y for them"]
+    np.save(walk / "a.npy", np.random.default_rng(0).normal(size=(20, 8)))
+    words = "'where.csv' has names of files, expected times or numbers of frames for those of a film or an array"
+    done = run("map", "build", "a.npy", "m", "--descriptor", "own", "--positions", "where.csv")
+    assert_refused(done, words)
