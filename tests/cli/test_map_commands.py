@@ -477,3 +477,13 @@ def test_positions_that_say_nothing_of_the_frames_are_told(run, walk: Path):
     words = "'where.csv' has names of files, expected times or numbers of frames for those of a film or an array"
     done = run("map", "build", "a.npy", "m", "--descriptor", "own", "--positions", "where.csv")
     assert_refused(done, words)
+
+
+def test_a_blank_picture_has_no_match_of_single_frames_either(run, walk: Path):
+    cv2.imwrite(str(walk / "winter" / "frame7.png"), np.full((48, 96), 90, np.uint8))
+    assert run("map", "build", "summer", "route").code == 0
+    located = ("map", "locate", "route", "winter", "--sequence-length", "1", "--same-index", "--out", "m.csv", "--json")
+    found = strict(run(*located).out)
+    assert [row["query"] for row in found["matches"] if row["reference"] < 0] == [7]
+    assert found["numbers"]["precision_of_all"] == 1.0
+    assert "1 more queries have no match: too many frames missing, or nothing tells places apart" in found["notes"]
