@@ -1,6 +1,7 @@
 """`insectnav map`: two recordings of one route in, and where the frames of the one lie on the other out."""
 
 import gc
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -55,12 +56,12 @@ def locate(**given: Any) -> None:
 
     gc.enable()
     frames = given["frames"]
-    usual = f"out/locate-{Path(frames[0]).resolve().stem}"
+    usual = f"out/locate-{_word_of(frames[0])}"
     places = Destinations.given(given["out"], given["page"], given["out_dir"], usual)
     place_map = PlaceMap.open(given["map_folder"])
     params = locate_params(given)
     search = _searched(place_map, frames, params)
-    names = [Path(name).name or name for name in (frames[0], given["map_folder"])]
+    names = [Path(name).resolve().name or name for name in (frames[0], given["map_folder"])]
     title = given["title"] or f"{names[0]} located in {names[1]}"
     result = leave(places, search, params, place_map, title)
     if given["json"]:
@@ -165,6 +166,13 @@ def _where(given: Mapping[str, Any]) -> "Whereabouts":
 def _chosen(given: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
     """Fields that were given, by the names of their options."""
     return {name: given[option] for name, option in names.items() if given[option] is not None}
+
+
+def _word_of(frames: str) -> str:
+    """A word for the name of a folder, without what stands for several names in a pattern."""
+    place = Path(frames).resolve()
+    plain = re.sub(r"[-_ ]+$", "", re.sub(r"[*?\[\]]+", "", place.stem))
+    return plain or place.parent.name
 
 
 def _searched(place_map: "PlaceMap", frames: list[str], params: "LocateParams") -> "Search":

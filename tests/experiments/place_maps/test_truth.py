@@ -16,9 +16,23 @@ from place_scenes import located
 def test_same_index_within_each_route():
     routes = np.array([0, 0, 0, 0, 1, 1, 1])
     truth = same_index(np.array([0, 5, -1, 2, 6]), routes, 1.0)
-    assert_array_equal(truth.error, [0, 0, np.nan, 1, 2])
+    assert_array_equal(truth.error, [0, 0, np.nan, 1, np.nan])
     assert_array_equal(truth.is_right, [True, True, False, True, False])
     assert_array_equal(truth.is_in_map, [True, True, True, True, False])  # no route has a fifth place
+    assert_array_equal(truth.reference, [0, 5, 2, 3, np.nan])
+
+
+def test_same_index_of_routes_of_unequal_length():
+    routes = np.array([0, 0, 1, 1, 1, 1])
+    truth = same_index(np.array([0, 1, 1, -1]), routes, 1.0)
+    assert_array_equal(truth.reference, [0, 1, 4, 5])  # the first route ends before queries 2 and 3
+
+
+def test_a_query_beyond_the_map_has_no_right_match():
+    reference = np.array([0, 1, 2, 2, 2])
+    found = numbers(located(reference, None, same_index(reference, np.zeros(3, np.int64), 2.0), threshold=1.0))
+    assert (found["can_be_matched"], found["kept_right"], found["recall_kept"]) == (3, 3, 1.0)
+    assert (found["precision_kept"], found["precision_of_all"], found["error_largest"]) == (0.6, 0.6, 0.0)
 
 
 def test_pairs_may_say_that_a_query_is_nowhere():
@@ -36,6 +50,20 @@ def test_straight_lines_between_key_frames():
     assert_array_equal(truth.is_known, [False, True, True, True, True, False])
     assert_array_equal(truth.is_right, [False, True, True, True, False, False])
     assert_array_equal(truth.is_in_map, [False, True, True, True, False, False])
+
+
+def test_key_frames_beyond_either_recording_are_refused():
+    matched = np.array([0, 1, 2])
+    for keys, words in (([[0, 0], [3, 2]], "key frames of the queries"), ([[0, 0], [2, 9]], "key frames of the map")):
+        with pytest.raises(InputError, match=words):
+            between_key_frames(matched, np.array(keys, float), 1.0, "by eye", 9)
+    assert between_key_frames(matched, np.array([[0.0, 0.0], [2.0, 9.0]]), 1.0, "by eye").is_known.all()
+
+
+def test_the_table_has_the_fraction_of_a_true_place():
+    truth = between_key_frames(np.array([0, 1, 2, -1]), np.array([[0, 0], [2, 1], [3, np.nan]]), 1.0, "by eye")
+    rows = located([0, 1, 2, -1], None, truth).rows()
+    assert [row["true_reference"] for row in rows] == [0, 0.5, 1, ""]
 
 
 def test_distance_over_the_ground():

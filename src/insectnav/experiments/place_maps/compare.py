@@ -186,8 +186,8 @@ def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> 
     number = np.arange(n_places)
     for query in range(n_queries):
         column = np.where(np.isnan(difference[:, query]), np.inf, difference[:, query])
-        best = int(column.argmin())
-        if not np.isfinite(column[best]):
+        best, finite = int(column.argmin()), column[np.isfinite(column)]
+        if not finite.size or (finite.size > 1 and finite.max() == column[best]):  # nothing tells places apart
             continue
         is_other = (np.abs(number - best) > half_window) | (routes != routes[best])
         second = float(column[is_other].min(initial=np.inf))

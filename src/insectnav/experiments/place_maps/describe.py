@@ -267,7 +267,8 @@ def _middle_square(view: Picture) -> Picture:
 def _checked_vector(vector: Picture) -> Features:
     if vector.ndim != 1 or not 0 < vector.size <= LARGEST_FEATURES:
         raise InputError(f"its features have shape {vector.shape}, expected (feature,) of at most {LARGEST_FEATURES}")
-    features = vector.astype(np.float32)
+    with np.errstate(over="ignore"):
+        features = vector.astype(np.float32)
     if not np.isfinite(features).all():
-        raise InputError("its features are NaN or infinite, expected finite numbers")
+        raise InputError("its features are NaN, infinite or beyond 3e38, expected finite numbers")
     return features

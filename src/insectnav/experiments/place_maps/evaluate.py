@@ -99,7 +99,7 @@ def _truth(found: Located, params: LocateParams, about: MapAbout | None) -> Trut
     elif table.time is not None and np.isfinite(found.times).any():
         query = positions_of_frames(table, times=found.times, max_gap_s=where.max_gap_s)
     else:
-        query = positions_of_frames(table, frames=np.arange(len(found.names)))
+        query = positions_of_frames(table, frames=found.frames)
     source = f"positions of {Path(where.positions).name} (--positions), over the ground"
     return by_position(found.reference, query, found.place_positions, known.tolerance_m, source)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.checks import InputError, quoted
+from insectnav.checks import InputError, check_range, quoted
 from insectnav.datasets.key_frames import read_key_frames
 from insectnav.experiments.place_maps.compare import compare
 from insectnav.experiments.place_maps.describe import OF_PICTURES, ROTATED, DescribeParams
@@ -95,6 +96,11 @@ class LocateParams:
     search : "auto", "exact" or "index", as of `PlaceMap.locate`
     threshold : matches of this score or less are kept; None keeps all
     truth : TruthParams
+
+    Raises
+    ------
+    InputError
+        If the threshold is no score.
     """
 
     frames: FrameParams = field(default_factory=FrameParams)
@@ -102,6 +108,10 @@ class LocateParams:
     search: str = "auto"
     threshold: float | None = None
     truth: TruthParams = TruthParams()
+
+    def __post_init__(self) -> None:
+        if self.threshold is not None:
+            check_range("threshold", self.threshold, 0.0, sys.float_info.max)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -206,6 +216,7 @@ def _matched(
     positions = np.stack([one.frame.position for one in queries])
     return Located(
         names=[one.frame.name for one in queries],
+        frames=np.array([one.frame.number for one in queries]),
         times=np.array([one.frame.time for one in queries]),
         reference=np.asarray(matches.reference, np.int64),
         score=np.asarray(matches.score, np.float64),
@@ -257,7 +268,7 @@ def truth_in_frames(found: Located, known: TruthParams, n_places: int | None) ->
     if known.key_frames is not None:
         keys = read_key_frames(known.key_frames)
         source = f"straight lines between the key frames of {os.path.basename(known.key_frames)} (--key-frames)"
-        return between_key_frames(found.reference, keys, known.tolerance, source)
+        return between_key_frames(found.reference, keys, known.tolerance, source, n_places)
     return None
 
 

@@ -28,6 +28,7 @@ Bools = NDArray[np.bool_]
 MATCH_COLUMNS = (
     "query",
     "name",
+    "frame",
     "time_s",
     "reference",
     "reference_name",
@@ -39,7 +40,8 @@ MATCH_COLUMNS = (
     "y",
     "z",
 )
-READ_COLUMNS = ("query", "reference", "score", "speed", "time_s", "has_sequence", *"xyz")
+READ_COLUMNS = ("query", "frame", "reference", "route", "score", "speed", "time_s", "has_sequence", *"xyz")
+MAX_PLACES = 10_000_000  # of a table of matches, whose places in between take memory, too
 ANGLE_COLUMNS = ("heading_deg", "pitch_deg", "roll_deg")  # of the query in the frame of its match
 
 
@@ -58,6 +60,7 @@ class Located:
     angles_deg : (query, 3) heading, pitch and roll of each query in the frame of its match [°]; None if unknown
     query_positions : (query, 3) [m], NaN if unknown; None if no query has one
     truth : None if nothing is known
+    frames : (query,) number of each among all frames of its source, from 0; None if all frames were taken
     """
 
     names: Sequence[str]
@@ -73,6 +76,7 @@ class Located:
     angles_deg: Reals | None = None
     query_positions: Reals | None = None
     truth: Truth | None = None
+    frames: Integers | None = None
 
     @property
     def is_matched(self) -> Bools:
@@ -120,11 +124,13 @@ class Located:
     def rows(self) -> list[dict[str, Any]]:
         """One for each query, for a table."""
         truth, kept, place, whole = self.truth, self.is_kept, self.positions, self.has_sequence
+        frames = range(len(self.names)) if self.frames is None else self.frames.tolist()
         rows = []
         for k, reference in enumerate(self.reference.tolist()):
             row: dict[str, Any] = {
                 "query": k,
                 "name": self.names[k],
+                "frame": frames[k],
                 "time_s": float(self.times[k]),
                 "reference": reference,
                 "reference_name": self.place_names[reference] if reference >= 0 else "",
@@ -139,7 +145,7 @@ class Located:
                 row |= dict(zip(ANGLE_COLUMNS, self.angles_deg[k].tolist(), strict=True))
             if truth is not None:
                 row |= {
-                    "true_reference": _whole(truth.reference[k]),
+                    "true_reference": _number_of_place(float(truth.reference[k])),
                     "is_right": int(truth.is_right[k]) if truth.is_known[k] and reference >= 0 else "",
                     "error": float(truth.error[k]),
                     "error_unit": truth.unit,
@@ -226,20 +232,37 @@ def read_matches(path: str | os.PathLike[str]) -> Located:
         raise InputError(
             f"{shown} does not number its queries 0, 1, 2, …, expected all of them in order: sorted or cut?"
         )
-    reference = np.where(np.isnan(values["reference"]), -1, values["reference"]).astype(np.int64)
-    return _without_map(rows, reference, values)
+    reference = _whole_numbers(values["reference"], "reference", -1, shown)
+    routes = _whole_numbers(np.where(reference >= 0, values["route"], 0.0), "route", 0, shown)
+    frames = np.where(np.isnan(values["frame"]), values["query"], values["frame"])
+    return _without_map(rows, reference, routes, _whole_numbers(frames, "frame", 0, shown), values)
 
 
-def _without_map(rows: list[dict[str, str]], reference: Integers, values: dict[str, Reals]) -> Located:
+def _whole_numbers(values: Reals, name: str, missing: int, shown: str) -> Integers:
+    """Values of a column that counts, from `missing`, which an empty cell stands for."""
+    counts = np.where(np.isnan(values), missing, values)
+    is_off = (counts != np.round(counts)) | (counts < missing) | (counts > MAX_PLACES)
+    if is_off.any():
+        row = int(np.argmax(is_off))
+        raise InputError(
+            f"line {row + 2} of {shown} has the {name} {counts[row]:g}, expected a whole number from {missing} to "
+            f"{MAX_PLACES}"
+        )
+    return np.asarray(counts, np.int64)
+
+
+def _without_map(
+    rows: list[dict[str, str]], reference: Integers, route: Integers, frames: Integers, values: dict[str, Reals]
+) -> Located:
     """Of the map the places that were matched: those in between have neither names nor positions."""
-    n_places = int(reference.max(initial=-1)) + 1
+    n_places = int(reference.max(initial=0)) + 1  # one at least, which no query matches if none has a match
     names, positions = [""] * n_places, np.full((n_places, 3), np.nan)
     routes = np.zeros(n_places, np.int64)
     for row, place in zip(rows, reference.tolist(), strict=True):
         if place >= 0:
             names[place] = row.get("reference_name", "")
-            routes[place] = int(row.get("route") or 0)
     seen = reference[reference >= 0]
+    routes[seen] = route[reference >= 0]
     positions[seen] = np.stack([values[axis] for axis in "xyz"], axis=-1)[reference >= 0]
     return Located(
         names=[row.get("name", "") for row in rows],
@@ -251,6 +274,7 @@ def _without_map(rows: list[dict[str, str]], reference: Integers, values: dict[s
         place_positions=positions,
         place_routes=routes,
         half_sequence=int(np.argmax(values["has_sequence"] != 0)),  # all of them where the table does not say
+        frames=frames,
     )
 
 
@@ -282,8 +306,11 @@ def _cell(value: Any) -> Any:
     return value
 
 
-def _whole(value: float) -> int | str:
-    return int(value) if np.isfinite(value) else ""
+def _number_of_place(value: float) -> int | float | str:
+    """Number of a true place, between two of them as a fraction; an empty cell where there is none."""
+    if not np.isfinite(value):
+        return ""
+    return int(value) if value.is_integer() else value
 
 
 def _median(values: Reals) -> float:

@@ -137,6 +137,8 @@ class Destinations:
         for option, path in (("--out", table), ("--page", page)):
             if path is not None:
                 _check_new_file(option, Path(path))
+        if table is not None and page is not None and Path(table).resolve() == Path(page).resolve():
+            raise InputError(f"--out and --page are both {quoted(table, 200)}, expected two names")
         if folder is None and table is None and page is None:
             folder = usual
         if folder is not None:

@@ -69,15 +69,16 @@ def same_index(matched: Integers, routes: Integers, tolerance: float, *, is_whol
     is_whole_map : whether these are all places; if not, every query is taken to have one
     """
     check_range("tolerance-frames", tolerance, 0.0, np.inf)
-    firsts = {int(route): int(np.argmax(routes == route)) for route in np.unique(routes)}
-    within = np.arange(len(routes)) - np.array([firsts[int(route)] for route in routes], np.int64)
-    query = np.arange(len(matched))
-    error = np.where(matched >= 0, np.abs(within[np.maximum(matched, 0)] - query), np.nan)
-    is_in_map = (query <= within.max(initial=-1)) | (not is_whole_map)
-    reference = np.where(is_in_map, query, np.nan)
-    if len(firsts) > 1:  # in the route of the match
-        own = np.array([firsts[int(routes[place])] for place in np.maximum(matched, 0)])
-        reference = np.where(matched >= 0, own + query, reference)
+    _, firsts, route, lengths = np.unique(routes, return_index=True, return_inverse=True, return_counts=True)
+    query, own = np.arange(len(matched)), route[np.maximum(matched, 0)]
+    reference = np.full(len(matched), np.nan) if is_whole_map else query.astype(float)
+    for first, length in zip(firsts[::-1], lengths[::-1], strict=True):  # ends with the first that goes so far
+        reference[:length] = first + query[:length]
+    is_in_own = (matched >= 0) & (query < lengths[own])
+    reference = np.where(is_in_own, firsts[own] + query, reference)
+    is_in_map = np.isfinite(reference)
+    within = matched - firsts[own]
+    error = np.where((matched >= 0) & is_in_map, np.abs(within - query), np.nan)
     return Truth(
         reference=reference,
         error=error,
@@ -123,7 +124,9 @@ def from_pairs(matched: Integers, pairs: Mapping[int, int], tolerance: float, so
     )
 
 
-def between_key_frames(matched: Integers, key_frames: Reals, tolerance: float, source: str) -> Truth:
+def between_key_frames(
+    matched: Integers, key_frames: Reals, tolerance: float, source: str, n_references: int | None = None
+) -> Truth:
     """Truth between frames that a person has matched; queries before the first and after the last are not judged.
 
     Parameters
@@ -132,8 +135,13 @@ def between_key_frames(matched: Integers, key_frames: Reals, tolerance: float, s
     key_frames : (key frame, 2) numbers of queries and places, as of `metrics.place_truth.true_matches_by_frames`
     tolerance : [frame]
     source : in words
+    n_references : places in the map; None if the matches alone are known
     """
     check_range("tolerance-frames", tolerance, 0.0, np.inf)
+    slip = "of another recording, or thinned otherwise?"
+    check_range("key frames of the queries", key_frames[:, 0], 0, len(matched) - 1, slip=slip)
+    places = key_frames[np.isfinite(key_frames[:, 1]), 1]
+    check_range("key frames of the map", places, 0, np.inf if n_references is None else n_references - 1, slip=slip)
     true = true_matches_by_frames(key_frames, np.arange(len(matched)))
     return Truth(
         reference=true.reference,
@@ -220,7 +228,11 @@ def read_pairs(
             if text in ("", "-1")
             else _number(text, of_reference, f"line {number} of --truth {shown} names the place")
         )
-        pairs[own] = known
+        if pairs.setdefault(own, known) != known:
+            raise InputError(
+                f"line {number} of --truth {shown} gives query {own} another place than a line above, expected one "
+                "for each: names that are numbers, which count before the numbers from 0?"
+            )
     return pairs
 
 

@@ -89,8 +89,12 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
             position = places[k] if places is not None and is_counted else NOWHERE
             yield replace(frame, time=time, position=position)
 
-    origin = None if table is None else table.origin_deg
-    return Placed(replace(source, frames=frames()), origin, () if table is None else table.notes)
+    if table is None or places is None:
+        return Placed(replace(source, frames=frames()), None, ())
+    notes = table.notes
+    if not np.isfinite(places[:, :2]).all(axis=1).any():
+        notes = (*notes, f"no frame has a position, since {quoted(where.positions, 200)} has none of x and y for them")
+    return Placed(replace(source, frames=frames()), table.origin_deg, notes)
 
 
 def _table(where: Whereabouts, origin_deg: Origin) -> Positions:
@@ -146,6 +150,11 @@ def _positions(
         return positions_of_frames(table, times=times, max_gap_s=where.max_gap_s)
     if table.frame is not None:
         return positions_of_frames(table, frames=numbers)
+    if table.time is None:
+        raise InputError(
+            f"{quoted(where.positions, 200)} has names of files, expected times or numbers of frames for those of a "
+            "film or an array"
+        )
     raise InputError(
         f"{quoted(where.positions, 200)} has times, expected --times to say when the frames were taken: names, exif, "
         "frames per second, or a table"
