@@ -54,6 +54,14 @@ def test_ship_has_date_place_and_height_of_the_same_moment():
     assert track.notes == ()
 
 
+def test_a_fix_at_the_same_time_of_each_day_is_of_that_day():
+    """As of a collar that wakes once a day, over a leap day."""
+    days, latitudes = ("280220", "290220", "010320"), ("5100.0000,N", "5106.0000,N", "5112.0000,N")
+    track = parse_nmea("".join(rmc("120000.00", *day) for day in zip(days, latitudes, strict=True)))
+    np.testing.assert_array_equal(track.time, seconds(2020, 2, 28, 12) + 86_400 * np.arange(3))
+    np.testing.assert_allclose(track.latitude_deg, [51.0, 51.1, 51.2])
+
+
 def test_status_of_integrity_that_is_not_stated_is_no_lack_of_a_fix():
     track = parse_nmea(UBLOX)
     assert track.time == seconds(2023, 12, 30, 20, 7, 28) + 0.5

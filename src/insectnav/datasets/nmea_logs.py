@@ -126,8 +126,9 @@ def _add(log: _Log, message: Any) -> None:
     kind = message.sentence_type
     is_fix = kind != "ZDA" and _is_fix(message)
     if clock is not None and kind in ("RMC", "ZDA"):
-        epoch = _epoch(log, clock)
-        epoch.day = _day(message) or epoch.day
+        day = _day(message)
+        epoch = _epoch(log, clock, day)
+        epoch.day = day or epoch.day
     if kind == "ZDA":
         return
     place = _place(message.lat, message.lat_dir, message.lon, message.lon_dir) if is_fix else None
@@ -140,10 +141,10 @@ def _add(log: _Log, message: Any) -> None:
         epoch.height = message.altitude
 
 
-def _epoch(log: _Log, clock: float) -> _Epoch:
+def _epoch(log: _Log, clock: float, day: date | None = None) -> _Epoch:
     """The epoch of a time of day among the last few, since some receivers send one sentence later, or a new one."""
     for epoch in reversed(log.epochs[-LOOK_BACK:]):
-        if epoch.clock == clock:
+        if epoch.clock == clock and (day is None or epoch.day in (None, day)):
             return epoch
     log.epochs.append(_Epoch(clock=clock))
     return log.epochs[-1]

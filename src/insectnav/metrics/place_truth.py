@@ -82,8 +82,7 @@ def true_matches_by_frames(
     Notes
     -----
     As the truth of Stone, Differt, Milford & Webb (ICRA 2016) was made; frames are interpolated, whichever of them are
-    references. Queries before the first key frame and after
-    the last are not known.
+    references. Queries before the first key frame and after the last are not known.
     """
     keys = as_numbers("key_frames", key_frames).astype(float)
     check_shape("key_frames", keys, ("key frame", 2))
