@@ -146,7 +146,10 @@ def test_only_corrupt_pictures_are_refused_and_nothing_is_left(run, walk: Path):
         (["map", "build", "summer", "m", "--camera", "mirror"], "expected mirror with its radius"),
         (["map", "build", "summer", "m", "--step", "2", "--every-m", "1"], "--step and --every-m are given"),
         (["map", "build", "summer", "m", "--step", "0"], "step is 0, expected a whole number of at least 1"),
-        (["map", "build", "summer", "m", "--every-m", "1"], "there is no frame"),
+        (["map", "build", "summer", "m", "--every-m", "1"], "--every-m is given without --positions"),
+        (["map", "build", "summer", "m", "--every-s", "1"], "--every-s is given without --times"),
+        (["map", "build", "summer", "m", "--position-topic", "x"], "--position-topic is given without --positions"),
+        (["map", "build", "summer", "m", "--time-offset", "nan"], "time-offset is nan, expected"),
         (["map", "build", "summer", "m", "--metric", "hamming"], "expected cosine with patch-normalised"),
         (["map", "build", "summer", "route", "--add", "--descriptor", "retinotopic"], "--descriptor is 'retinotopic'"),
         (["map", "locate", "nowhere", "winter"], "nowhere"),
@@ -163,7 +166,7 @@ def test_only_corrupt_pictures_are_refused_and_nothing_is_left(run, walk: Path):
         (["map", "locate", "route", "winter", "--tolerance-m", "2"], "--tolerance-m is given without --positions"),
         (["map", "locate", "route", "winter", "--same-index", "--truth", "t.csv"], "--truth and --same-index are"),
         (["map", "locate", "route", "winter", "--truth", "t.csv"], "has the columns a, b, expected"),
-        (["map", "locate", "route", "winter", "--truth", "twice.csv"], "line 4 of --truth 'twice.csv' gives query 1 another"),
+        (["map", "locate", "route", "winter", "--truth", "twice.csv"], "line 4 of --truth 'twice.csv' gives query 1"),
         (["map", "locate", "route", "winter", "--threshold", "nan"], "threshold is nan, expected 0 to"),
         (["map", "locate", "route", "winter", "--threshold", "-0.1"], "threshold is -0.1, expected 0 to"),
         (["map", "locate", "route", "winter", "--threshold", "inf"], "threshold is inf, expected 0 to"),
@@ -453,7 +456,8 @@ def test_positions_by_number_are_those_of_all_frames_whatever_the_step(run, walk
 
 
 @pytest.mark.parametrize(
-    ("frames", "folder"), [("winter/frame*.png", "frame"), ("winter/*.png", "winter"), ("winter/frame?*", "frame"), ("winter", "winter")]
+    ("frames", "folder"),
+    [("winter/frame*.png", "frame"), ("winter/*.png", "winter"), ("winter/frame?*", "frame"), ("winter", "winter")],
 )
 def test_frames_by_a_pattern_leave_a_folder_without_stars(run, walk: Path, frames: str, folder: str):
     assert run("map", "build", "summer", "route").code == 0
