@@ -146,7 +146,10 @@ def test_only_corrupt_pictures_are_refused_and_nothing_is_left(run, walk: Path):
         (["map", "build", "summer", "m", "--camera", "mirror"], "expected mirror with its radius"),
         (["map", "build", "summer", "m", "--step", "2", "--every-m", "1"], "--step and --every-m are given"),
         (["map", "build", "summer", "m", "--step", "0"], "step is 0, expected a whole number of at least 1"),
-        (["map", "build", "summer", "m", "--every-m", "1"], "there is no frame"),
+        (["map", "build", "summer", "m", "--every-m", "1"], "--every-m is given without --positions"),
+        (["map", "build", "summer", "m", "--every-s", "1"], "--every-s is given without --times"),
+        (["map", "build", "summer", "m", "--position-topic", "x"], "--position-topic is given without --positions"),
+        (["map", "build", "summer", "m", "--time-offset", "nan"], "time-offset is nan, expected"),
         (["map", "build", "summer", "m", "--metric", "hamming"], "expected cosine with patch-normalised"),
         (["map", "build", "summer", "route", "--add", "--descriptor", "retinotopic"], "--descriptor is 'retinotopic'"),
         (["map", "locate", "nowhere", "winter"], "nowhere"),
@@ -163,7 +166,7 @@ def test_only_corrupt_pictures_are_refused_and_nothing_is_left(run, walk: Path):
         (["map", "locate", "route", "winter", "--tolerance-m", "2"], "--tolerance-m is given without --positions"),
         (["map", "locate", "route", "winter", "--same-index", "--truth", "t.csv"], "--truth and --same-index are"),
         (["map", "locate", "route", "winter", "--truth", "t.csv"], "has the columns a, b, expected"),
-        (["map", "locate", "route", "winter", "--truth", "twice.csv"], "line 4 of --truth 'twice.csv' gives query 1 another"),
+        (["map", "locate", "route", "winter", "--truth", "twice.csv"], "line 4 of --truth 'twice.csv' gives query 1"),
         (["map", "locate", "route", "winter", "--threshold", "nan"], "threshold is nan, expected 0 to"),
         (["map", "locate", "route", "winter", "--threshold", "-0.1"], "threshold is -0.1, expected 0 to"),
         (["map", "locate", "route", "winter", "--threshold", "inf"], "threshold is inf, expected 0 to"),
@@ -395,95 +398,3 @@ def test_positions_on_earth_have_one_origin(run, walk: Path):
     for arguments in (["locate", "m", "winter", *metres], adding, ["evaluate", "m.csv", *metres, "--map", "m"]):
         assert_refused(run("map", *arguments), words)
     assert strict(run("map", "info", "m", "--json").out)["places"] == N_FRAMES
-
-
-MATCHES = "query,name,reference,reference_name,route,score,has_sequence\n"
-
-
-def test_a_table_that_went_through_a_spreadsheet_is_read(run, walk: Path):
-    (walk / "m.csv").write_text(MATCHES + "0,a,0.0,p,0.0,0.1,1\n1,b,-1.0,,,,1\n2,c,2.0,q,0.0,0.2,1\n", newline="\r\n")
-    numbers = strict(run("map", "evaluate", "m.csv", "--same-index", "--json").out)["numbers"]
-    assert (numbers["matched"], numbers["right"], numbers["can_be_matched"]) == (2, 2, 3)
-
-
-def test_a_table_without_any_match_has_no_recall(run, walk: Path):
-    (walk / "m.csv").write_text(MATCHES + "0,a,-1,,,,1\n1,b,-1,,,,1\n")
-    numbers = strict(run("map", "evaluate", "m.csv", "--same-index", "--json").out)["numbers"]
-    assert (numbers["matched"], numbers["right"], numbers["recall_of_all"]) == (0, 0, 0.0)
-
-
-@pytest.mark.parametrize(
-    ("line", "words"),
-    [
-        ("0,a,1.5,p,0,0.1,1", "line 2 of 'm.csv' has the reference 1.5, expected a whole number from -1"),
-        ("0,a,1e12,p,0,0.1,1", "line 2 of 'm.csv' has the reference 1e+12, expected a whole number from -1"),
-        ("0,a,inf,p,0,0.1,1", "line 2 of 'm.csv' has the reference inf, expected a whole number from -1"),
-        ("0,a,1,p,-3,0.1,1", "line 2 of 'm.csv' has the route -3, expected a whole number from 0"),
-        ("0,a,1,p,x,0.1,1", "line 2 of 'm.csv' has the route 'x', expected a number"),
-    ],
-)
-def test_a_table_with_odd_places_or_routes_is_refused(run, walk: Path, line: str, words: str):
-    (walk / "m.csv").write_text(MATCHES + line + "\n")
-    assert_refused(run("map", "evaluate", "m.csv", "--same-index"), words)
-
-
-def test_features_too_large_for_half_of_double_precision_are_missing(run, walk: Path):
-    route = np.random.default_rng(0).normal(size=(20, 8))
-    route[3, 2] = 1e300
-    np.save(walk / "a.npy", route)
-    built = strict(run("map", "build", "a.npy", "m", "--descriptor", "own", "--json").out)
-    assert built["missing"] == 1
-    assert built["notes"] == [
-        "missing frame a_000003: its features are NaN, infinite or beyond 3e38, expected finite numbers"
-    ]
-
-
-def test_positions_by_number_are_those_of_all_frames_whatever_the_step(run, walk: Path):
-    lines = ["frame,x_m,y_m", *(f"{k},{3.0 * k},0" for k in range(N_FRAMES))]
-    (walk / "where.csv").write_text("\n".join(lines))
-    where = ("--positions", "where.csv", "--tolerance-m", "4")
-    assert run("map", "build", "summer", "route", "--positions", "where.csv", "--step", "2").code == 0
-    located = ("map", "locate", "route", "winter", *where, "--step", "2", "--out", "m.csv", "--json")
-    found = strict(run(*located).out)["numbers"]
-    judged = strict(run("map", "evaluate", "m.csv", *where, "--map", "route", "--json").out)["numbers"]
-    assert [row["frame"] for row in table(walk / "m.csv")] == [str(2 * k) for k in range(N_FRAMES // 2)]
-    for name in ("right", "judged", "recall_of_all", "error_largest"):
-        assert judged[name] == found[name]
-    assert judged["right"] == N_FRAMES // 2 - 10
-
-
-@pytest.mark.parametrize(
-    ("frames", "folder"), [("winter/frame*.png", "frame"), ("winter/*.png", "winter"), ("winter/frame?*", "frame"), ("winter", "winter")]
-)
-def test_frames_by_a_pattern_leave_a_folder_without_stars(run, walk: Path, frames: str, folder: str):
-    assert run("map", "build", "summer", "route").code == 0
-    assert run("map", "locate", "route", frames).code == 0
-    assert [path.name for path in (walk / "out").iterdir()] == [f"locate-{folder}"]
-
-
-def test_the_folder_one_is_in_has_its_name_in_the_title(run, walk: Path, monkeypatch):
-    assert run("map", "build", "summer", "route").code == 0
-    monkeypatch.chdir(walk / "winter")
-    assert run("map", "locate", "../route", ".", "--page", "../page.html").code == 0
-    assert "<title>insectnav: winter located in route</title>" in (walk / "page.html").read_text(encoding="utf-8")
-
-
-def test_positions_that_say_nothing_of_the_frames_are_told(run, walk: Path):
-    names = [f"frame{k}.png" for k in range(N_FRAMES)]
-    (walk / "where.csv").write_text("\n".join(["file,x_m,y_m", *(f"{name},," for name in names)]))
-    built = strict(run("map", "build", "summer", "route", "--positions", "where.csv", "--json").out)
-    assert built["notes"] == ["no frame has a position, since 'where.csv' has none of x and y for them"]
-    np.save(walk / "a.npy", np.random.default_rng(0).normal(size=(20, 8)))
-    words = "'where.csv' has names of files, expected times or numbers of frames for those of a film or an array"
-    done = run("map", "build", "a.npy", "m", "--descriptor", "own", "--positions", "where.csv")
-    assert_refused(done, words)
-
-
-def test_a_blank_picture_has_no_match_of_single_frames_either(run, walk: Path):
-    cv2.imwrite(str(walk / "winter" / "frame7.png"), np.full((48, 96), 90, np.uint8))
-    assert run("map", "build", "summer", "route").code == 0
-    located = ("map", "locate", "route", "winter", "--sequence-length", "1", "--same-index", "--out", "m.csv", "--json")
-    found = strict(run(*located).out)
-    assert [row["query"] for row in found["matches"] if row["reference"] < 0] == [7]
-    assert found["numbers"]["precision_of_all"] == 1.0
-    assert "1 more queries have no match: too many frames missing, or nothing tells places apart" in found["notes"]

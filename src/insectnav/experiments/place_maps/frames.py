@@ -79,6 +79,11 @@ class FrameSource:
         """Whether the frames are features already."""
         return self.kind == "array"
 
+    @property
+    def has_times(self) -> bool:
+        """Whether the frames tell themselves when they were taken."""
+        return self.kind == "bag" or bool(np.isfinite(self.frame_rate))
+
 
 @dataclass(frozen=True, kw_only=True)
 class Thinning:

@@ -88,6 +88,10 @@ def opened(places: Sequence[str], params: FrameParams, about: MapAbout | None) -
     source, origin, notes = placed(source, params.where, about.origin_deg if about else None)
     if about is not None and params.where.positions is not None:
         check_one_frame(origin, about.origin_deg)
+    if params.thinning.every_m is not None and params.where.positions is None:
+        raise InputError("--every-m is given without --positions, expected a file of where the frames were taken")
+    if params.thinning.every_s is not None and params.where.times is None and not source.has_times:
+        raise InputError("--every-s is given without --times, expected to know when the frames were taken")
     left_out: list[str] = []
     thinning = replace(params.thinning, step=step // source.step) if source.step > 1 else params.thinning
     return Opened(

@@ -219,7 +219,7 @@ def read_pairs(
     if query is None or reference is None:
         raise InputError(f"--truth {shown} has the columns {', '.join(header) or 'none'}, expected query and reference")
     of_query, of_reference = _numbers_by_name(query_names), _numbers_by_name(reference_names)
-    pairs = {}
+    pairs: dict[int, int] = {}
     for number, row in enumerate(rows, 2):
         own = _number(row[query], of_query, f"line {number} of --truth {shown} names the query")
         text = row[reference].strip()

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.checks import InputError, quoted
+from insectnav.checks import InputError, check_range, quoted
 from insectnav.datasets.frame_times import times_of_frames
 from insectnav.datasets.positions import MAX_GAP_S, Positions, positions_of_frames, read_positions
 from insectnav.experiments.place_maps.frames import NOWHERE, Frame, FrameSource, is_bag
@@ -32,6 +32,11 @@ class Whereabouts:
     time_offset_s : added to the times of the frames [s]
     utc_offset_h : of clocks without time zone [h]
     max_gap_s : between two positions that is bridged [s]
+
+    Raises
+    ------
+    InputError
+        If the offset is no time.
     """
 
     times: str | None = None
@@ -41,6 +46,9 @@ class Whereabouts:
     time_offset_s: float = 0.0
     utc_offset_h: float = 0.0
     max_gap_s: float = MAX_GAP_S
+
+    def __post_init__(self) -> None:
+        check_range("time-offset", self.time_offset_s, -1e11, 1e11, "s")
 
 
 class Placed(NamedTuple):
@@ -65,11 +73,7 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
     InputError
         If a file cannot be read, or has nothing to say on these frames.
     """
-    table = None
-    if where.positions is not None:
-        table = _table(where, origin_deg)
-    elif where.columns is not None:
-        raise InputError("--position-columns is given without --positions, expected both")
+    table = _table(where, origin_deg)
     if source.kind == "bag":
         return _of_recording(source, where, table)
     if where.times is None and table is None and not np.isfinite(source.frame_rate):
@@ -91,15 +95,24 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
 
     if table is None or places is None:
         return Placed(replace(source, frames=frames()), None, ())
-    notes = table.notes
-    if not np.isfinite(places[:, :2]).all(axis=1).any():
-        notes = (*notes, f"no frame has a position, since {quoted(where.positions, 200)} has none of x and y for them")
-    return Placed(replace(source, frames=frames()), table.origin_deg, notes)
+    return Placed(replace(source, frames=frames()), table.origin_deg, (*table.notes, *_remarks(places, where)))
 
 
-def _table(where: Whereabouts, origin_deg: Origin) -> Positions:
-    """Positions of a file, or of the recording of a robot."""
-    path = Path(str(where.positions))
+def _remarks(places: Reals, where: Whereabouts) -> tuple[str, ...]:
+    """What is to be said of the positions that were found."""
+    if np.isfinite(places[:, :2]).all(axis=1).any():
+        return ()
+    return (f"no frame has a position, since {quoted(where.positions, 200)} has none of x and y for them",)
+
+
+def _table(where: Whereabouts, origin_deg: Origin) -> Positions | None:
+    """Positions of a file, or of the recording of a robot; None if none are given."""
+    if where.positions is None:
+        for option, value in (("--position-columns", where.columns), ("--position-topic", where.position_topic)):
+            if value is not None:
+                raise InputError(f"{option} is given without --positions, expected both")
+        return None
+    path = Path(where.positions)
     if is_bag(path):
         from insectnav.datasets.ros_bag import bag_positions
 

@@ -1,0 +1,121 @@
+"""`insectnav map` with tables from spreadsheets, patterns, steps and frames that tell nothing."""
+
+import csv
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from command_line import assert_refused, in_process, strict
+from place_scenes import N_FRAMES, views, write_pictures
+
+MATCHES = "query,name,reference,reference_name,route,score,has_sequence\n"
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture
+def walk(tmp_path: Path) -> Path:
+    """Two folders of one route in two seasons."""
+    write_pictures(tmp_path / "summer", views())
+    write_pictures(tmp_path / "winter", views(season=1))
+    return tmp_path
+
+
+@pytest.fixture
+def run(walk: Path, monkeypatch, capsys):
+    return in_process(walk, monkeypatch, capsys)
+
+
+def test_a_table_that_went_through_a_spreadsheet_is_read(run, walk: Path):
+    (walk / "m.csv").write_text(MATCHES + "0,a,0.0,p,0.0,0.1,1\n1,b,-1.0,,,,1\n2,c,2.0,q,0.0,0.2,1\n", newline="\r\n")
+    numbers = strict(run("map", "evaluate", "m.csv", "--same-index", "--json").out)["numbers"]
+    assert (numbers["matched"], numbers["right"], numbers["can_be_matched"]) == (2, 2, 3)
+
+
+def test_a_table_without_any_match_has_no_recall(run, walk: Path):
+    (walk / "m.csv").write_text(MATCHES + "0,a,-1,,,,1\n1,b,-1,,,,1\n")
+    numbers = strict(run("map", "evaluate", "m.csv", "--same-index", "--json").out)["numbers"]
+    assert (numbers["matched"], numbers["right"], numbers["recall_of_all"]) == (0, 0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("0,a,1.5,p,0,0.1,1", "line 2 of 'm.csv' has the reference 1.5, expected a whole number from -1"),
+        ("0,a,1e12,p,0,0.1,1", "line 2 of 'm.csv' has the reference 1e+12, expected a whole number from -1"),
+        ("0,a,inf,p,0,0.1,1", "line 2 of 'm.csv' has the reference inf, expected a whole number from -1"),
+        ("0,a,1,p,-3,0.1,1", "line 2 of 'm.csv' has the route -3, expected a whole number from 0"),
+        ("0,a,1,p,x,0.1,1", "line 2 of 'm.csv' has the route 'x', expected a number"),
+    ],
+)
+def test_a_table_with_odd_places_or_routes_is_refused(run, walk: Path, line: str, words: str):
+    (walk / "m.csv").write_text(MATCHES + line + "\n")
+    assert_refused(run("map", "evaluate", "m.csv", "--same-index"), words)
+
+
+def test_features_too_large_for_half_of_double_precision_are_missing(run, walk: Path):
+    route = np.random.default_rng(0).normal(size=(20, 8))
+    route[3, 2] = 1e300
+    np.save(walk / "a.npy", route)
+    built = strict(run("map", "build", "a.npy", "m", "--descriptor", "own", "--json").out)
+    assert built["missing"] == 1
+    assert built["notes"] == [
+        "missing frame a_000003: its features are NaN, infinite or beyond 3e38, expected finite numbers"
+    ]
+
+
+def test_positions_by_number_are_those_of_all_frames_whatever_the_step(run, walk: Path):
+    lines = ["frame,x_m,y_m", *(f"{k},{3.0 * k},0" for k in range(N_FRAMES))]
+    (walk / "where.csv").write_text("\n".join(lines))
+    where = ("--positions", "where.csv", "--tolerance-m", "4")
+    assert run("map", "build", "summer", "route", "--positions", "where.csv", "--step", "2").code == 0
+    located = ("map", "locate", "route", "winter", *where, "--step", "2", "--out", "m.csv", "--json")
+    found = strict(run(*located).out)["numbers"]
+    judged = strict(run("map", "evaluate", "m.csv", *where, "--map", "route", "--json").out)["numbers"]
+    assert [row["frame"] for row in table(walk / "m.csv")] == [str(2 * k) for k in range(N_FRAMES // 2)]
+    for name in ("right", "judged", "recall_of_all", "error_largest"):
+        assert judged[name] == found[name]
+    assert judged["right"] == N_FRAMES // 2 - 10
+
+
+@pytest.mark.parametrize(
+    ("frames", "folder"),
+    [("winter/frame*.png", "frame"), ("winter/*.png", "winter"), ("winter/frame?*", "frame"), ("winter", "winter")],
+)
+def test_frames_by_a_pattern_leave_a_folder_without_stars(run, walk: Path, frames: str, folder: str):
+    assert run("map", "build", "summer", "route").code == 0
+    assert run("map", "locate", "route", frames).code == 0
+    assert [path.name for path in (walk / "out").iterdir()] == [f"locate-{folder}"]
+
+
+def test_the_folder_one_is_in_has_its_name_in_the_title(run, walk: Path, monkeypatch):
+    assert run("map", "build", "summer", "route").code == 0
+    monkeypatch.chdir(walk / "winter")
+    assert run("map", "locate", "../route", ".", "--page", "../page.html").code == 0
+    assert "<title>insectnav: winter located in route</title>" in (walk / "page.html").read_text(encoding="utf-8")
+
+
+def test_positions_that_say_nothing_of_the_frames_are_told(run, walk: Path):
+    names = [f"frame{k}.png" for k in range(N_FRAMES)]
+    (walk / "where.csv").write_text("\n".join(["file,x_m,y_m", *(f"{name},," for name in names)]))
+    built = strict(run("map", "build", "summer", "route", "--positions", "where.csv", "--json").out)
+    assert built["notes"] == ["no frame has a position, since 'where.csv' has none of x and y for them"]
+    np.save(walk / "a.npy", np.random.default_rng(0).normal(size=(20, 8)))
+    words = "'where.csv' has names of files, expected times or numbers of frames for those of a film or an array"
+    done = run("map", "build", "a.npy", "m", "--descriptor", "own", "--positions", "where.csv")
+    assert_refused(done, words)
+
+
+def test_a_blank_picture_has_no_match_of_single_frames_either(run, walk: Path):
+    cv2.imwrite(str(walk / "winter" / "frame7.png"), np.full((48, 96), 90, np.uint8))
+    assert run("map", "build", "summer", "route").code == 0
+    located = ("map", "locate", "route", "winter", "--sequence-length", "1", "--same-index", "--out", "m.csv", "--json")
+    found = strict(run(*located).out)
+    assert [row["query"] for row in found["matches"] if row["reference"] < 0] == [7]
+    assert found["numbers"]["precision_of_all"] == 1.0
+    assert "1 more queries have no match: too many frames missing, or nothing tells places apart" in found["notes"]
