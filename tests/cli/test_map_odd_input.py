@@ -119,3 +119,10 @@ def test_a_blank_picture_has_no_match_of_single_frames_either(run, walk: Path):
     assert [row["query"] for row in found["matches"] if row["reference"] < 0] == [7]
     assert found["numbers"]["precision_of_all"] == 1.0
     assert "1 more queries have no match: too many frames missing, or nothing tells places apart" in found["notes"]
+
+
+def test_a_match_is_not_unique_where_every_place_counts_as_the_same(run, walk: Path):
+    assert run("map", "build", "summer", "route").code == 0
+    located = ("map", "locate", "route", "winter", "--sequence-length", "1", "--unique-window", "1000")
+    found = strict(run(*located, "--out", "m.csv", "--json").out)
+    assert {row["score"] for row in found["matches"]} == {1.0}

@@ -192,7 +192,7 @@ def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> 
         is_other = (np.abs(number - best) > half_window) | (routes != routes[best])
         second = float(column[is_other].min(initial=np.inf))
         reference[query] = best
-        score[query] = column[best] / second if second > 0.0 else 1.0
+        score[query] = column[best] / second if 0.0 < second < np.inf else 1.0
     return Matches(reference, score, np.full(n_queries, np.nan))
 
 
