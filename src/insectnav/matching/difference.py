@@ -48,7 +48,7 @@ def difference_matrix(
     Notes
     -----
     Each difference is summed feature by feature, in double precision up to 512 features, above in single with the sums
-    of 128 added up in double: equal vectors differ by 0, near ones keep their digits, and a difference does not depend
+    of 512 added up in double: equal vectors differ by 0, near ones keep their digits, and a difference does not depend
     on what else is compared. "euclidean" takes the mean of the references off first where it sums in single precision.
     """
     return prepare_references(references, metric).differences(queries, workers=workers)

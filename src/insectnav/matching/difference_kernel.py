@@ -12,7 +12,7 @@ from insectnav.lanes.compiled import kernel, lane_function
 from insectnav.lanes.vector import address, fill, fma, load, maximum, store
 
 Array = NDArray[Any]
-PIECE = 128  # features that are summed in the precision of the vectors
+PIECE = 512  # features that are summed in the precision of the vectors
 TILE = 32  # references that stay in the cache while all queries of a block pass by
 
 
