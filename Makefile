@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 PYTEST_ARGS ?=
 
 help: ## this list
-	@echo "make demo   a foraging trip and its way home, and a walk found again on another day: figures and tables in out/"
+	@echo "make demo   a foraging trip and its way home: figures and tables in out/"
 	@echo "make test   style, types and the whole test suite"
 	@echo "make bench  how fast each hot path is, beside a plain version of it"
 	@echo "make lint   style and types only"
@@ -19,7 +19,6 @@ help: ## this list
 demo: $(READY)
 	$(BIN)/insectnav home --out out/random-trip
 	$(BIN)/python examples/random_trips.py
-	$(BIN)/python examples/place_map_from_folders.py
 
 test: lint
 	$(BIN)/python -m pytest -n $(WORKERS) --maxprocesses 8 --dist worksteal $(PYTEST_ARGS)
