@@ -20,8 +20,8 @@ from insectnav.matching.place_pieces import (
     search_piece,
 )
 from insectnav.matching.place_search import Landscape, checked_queries, known_frames, matches_of_lines
-from insectnav.matching.seqslam import SeqSlamParams
-from insectnav.matching.stream import StreamMatch, later
+from insectnav.matching.seqslam import Matches, SeqSlamParams
+from insectnav.matching.stream import StreamMatch, later, match_so_far
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
@@ -76,17 +76,13 @@ class MapStream:
         InputError
             If the descriptor is not of the places' kind, or the frame is not later than the one before.
         """
-        half, n_steps = self.params.n_steps // 2, self.params.n_steps
         after = _with_frame(self, descriptor, later(self.n_frames, float(self.times[-1]), time))
-        query, latency = self.n_frames - half, float(after.times[-1] - after.times[half])
-        if after.n_frames <= n_steps:
-            return after, StreamMatch(max(query, -1), -1, np.nan, np.nan, -1, half, latency)
-        lines = _lines(after)
-        matches = matches_of_lines(lines, after.is_seen, self.params)
-        is_match = matches.reference[half] >= 0
-        end = int(lines.start[0] + self.params.offsets[lines.speed[0], -1]) if is_match else -1
-        match = (int(matches.reference[half]), float(matches.score[half]), float(matches.speed[half]))
-        return after, StreamMatch(query, *match, end, half, latency)
+
+        def newest() -> tuple[int, int, Matches]:
+            lines = _lines(after)
+            return int(lines.start[0]), int(lines.speed[0]), matches_of_lines(lines, after.is_seen, self.params)
+
+        return after, match_so_far(after.n_frames, after.times, self.params, newest)
 
 
 def begin_map_stream(landscape: Landscape, params: SeqSlamParams, index: PlaceIndex | None) -> MapStream:

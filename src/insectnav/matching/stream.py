@@ -1,5 +1,6 @@
 """SeqSLAM on the move: one frame in, the best match so far out."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError, check_finite
 from insectnav.matching.difference import References, prepare_references
-from insectnav.matching.seqslam import SeqSlamParams, matches_from_lines
+from insectnav.matching.seqslam import Matches, SeqSlamParams, matches_from_lines
 
 Reals = NDArray[np.floating[Any]]
 
@@ -109,7 +110,7 @@ def locate_next(stream: Stream, descriptor: ArrayLike | None, time: float | None
     """
     from insectnav.matching.sequence_kernel import enhance_rows, search_sequences
 
-    params, half = stream.params, stream.params.n_steps // 2
+    params = stream.params
     column = _column(stream.references, descriptor)
     contrast, is_seen = np.empty(column.shape), np.empty(1, bool)
     enhance_rows(column, params.contrast_window // 2, params.flat, contrast, is_seen)
@@ -120,15 +121,36 @@ def locate_next(stream: Stream, descriptor: ArrayLike | None, time: float | None
         times=np.append(stream.times[1:], later(stream.n_frames, float(stream.times[-1]), time)),
         n_frames=stream.n_frames + 1,
     )
-    query, latency = stream.n_frames - half, float(after.times[-1] - after.times[half])
-    if after.n_frames <= params.n_steps:
-        return after, StreamMatch(max(query, -1), -1, np.nan, np.nan, -1, half, latency)
-    found = (np.empty(1, np.int64), np.empty(1), np.empty(1, np.int64))
-    search_sequences(after.contrast, after.is_seen, params.offsets, params.unique_window // 2, params.bound, *found)
-    matches = matches_from_lines(found, params, params.n_steps + 1)
-    end = int(found[0][0] + params.offsets[found[2][0], -1]) if found[0][0] >= 0 else -1
+
+    def newest() -> tuple[int, int, Matches]:
+        found = (np.empty(1, np.int64), np.empty(1), np.empty(1, np.int64))
+        search_sequences(after.contrast, after.is_seen, params.offsets, params.unique_window // 2, params.bound, *found)
+        return int(found[0][0]), int(found[2][0]), matches_from_lines(found, params, params.n_steps + 1)
+
+    return after, match_so_far(after.n_frames, after.times, params, newest)
+
+
+def match_so_far(
+    n_frames: int, times: Reals, params: SeqSlamParams, newest: Callable[[], tuple[int, int, Matches]]
+) -> StreamMatch:
+    """What is known after so many frames.
+
+    Parameters
+    ----------
+    n_frames : that have come
+    times : (frame,) array [s] of the newest sequence
+    params : SeqSlamParams
+    newest : gives start and number of the speed of the line through the newest sequence, and the matches of its frames;
+        asked once the sequence is whole
+    """
+    half = params.n_steps // 2
+    query, latency = n_frames - 1 - half, float(times[-1] - times[half])
+    if n_frames <= params.n_steps:
+        return StreamMatch(max(query, -1), -1, np.nan, np.nan, -1, half, latency)
+    start, speed, matches = newest()
     match = (int(matches.reference[half]), float(matches.score[half]), float(matches.speed[half]))
-    return after, StreamMatch(query, *match, end, half, latency)
+    end = start + int(params.offsets[speed, -1]) if match[0] >= 0 else -1
+    return StreamMatch(query, *match, end, half, latency)
 
 
 def _column(references: References, descriptor: ArrayLike | None) -> Reals:
