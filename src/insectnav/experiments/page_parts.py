@@ -13,6 +13,30 @@ def safe_text(value: object) -> str:
     return html.escape(shown)
 
 
+def whole_page(title: str, style: str, head: str, main: str) -> str:
+    """A page of HTML that loads nothing; head and main part are HTML already."""
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="{safe_text(POLICY)}">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>insectnav: {safe_text(title)}</title>
+<link rel="icon" href="data:,">
+<style>{style}</style>
+</head>
+<body>
+<header>
+{head}
+</header>
+<main>
+{main}
+</main>
+</body>
+</html>
+"""
+
+
 def page_table(kind: str, caption: str, columns: Sequence[str], rows: str) -> str:
     """A table of HTML; columns and rows, of `page_row`, are HTML already."""
     head = "".join(f'<th scope="col">{column}</th>' for column in columns)

@@ -43,12 +43,13 @@ def sources(found: FoundImages, step: int) -> Iterator[Source]:
             continue
         try:
             for number, frame in video_frames(path, step):
-                yield Source(name=f"{name}_{number:06d}", file=path, is_frame=True, read=partial(_given, frame))
+                yield Source(name=f"{name}_{number:06d}", file=path, is_frame=True, read=partial(given, frame))
         except InputError as error:
-            yield Source(name=name, file=path, is_frame=True, read=partial(_given, error))
+            yield Source(name=name, file=path, is_frame=True, read=partial(given, error))
 
 
-def _given(value: Any) -> Any:
+def given(value: Any) -> Any:
+    """What was read before; raises it if it is an InputError."""
     if isinstance(value, InputError):
         raise value
     return value

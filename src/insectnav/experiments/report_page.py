@@ -15,7 +15,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from insectnav import __version__
-from insectnav.experiments.page_parts import POLICY, page_row, page_table, safe_text
+from insectnav.experiments.page_parts import page_row, page_table, safe_text, whole_page
 from insectnav.experiments.published import AGREES, DIFFERS, NOT_COMPARABLE, STANDARD_ERRORS, Verdict
 from insectnav.experiments.report_style import STYLE
 from insectnav.experiments.result_folders import Result, Run
@@ -88,28 +88,8 @@ class Report:
 def render_page(report: Report) -> str:
     """A report as HTML."""
     sections = "\n".join(_section(report, entry, result) for entry, result in report.with_results)
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{safe_text(POLICY)}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>insectnav: published numbers and ours</title>
-<link rel="icon" href="data:,">
-<style>{STYLE}</style>
-</head>
-<body>
-<header>
-{_head(report)}
-</header>
-<main>
-{_summary(report)}
-{sections}
-{_not_run(report)}
-</main>
-</body>
-</html>
-"""
+    main = "\n".join([_summary(report), sections, _not_run(report)])
+    return whole_page("published numbers and ours", STYLE, _head(report), main)
 
 
 def _head(report: Report) -> str:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from insectnav.checks import InputError, check_count, check_range, quoted
 from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS, find_images, natural_order
 from insectnav.datasets.video import video_facts
-from insectnav.experiments.picture_sources import count_pictures, sources
+from insectnav.experiments.picture_sources import count_pictures, given, sources
 
 Reals = NDArray[np.floating[Any]]
 ARRAYS = (".npy", ".zarr")
@@ -262,7 +262,7 @@ def _of_array(path: Path) -> FrameSource:
     def frames() -> Iterator[Frame]:
         for first in range(0, n_vectors, VECTORS_AT_ONCE):  # a chunk of a zarr array is not read for each of its rows
             for k, vector in enumerate(np.asarray(array[first : first + VECTORS_AT_ONCE])):
-                yield Frame(name=f"{stem}_{first + k:06d}", number=first + k, read=partial(_given, vector))
+                yield Frame(name=f"{stem}_{first + k:06d}", number=first + k, read=partial(given, vector))
 
     return FrameSource(frames=frames(), total=n_vectors, kind="array")
 
@@ -305,17 +305,9 @@ def _of_bag(path: Path, topic: str | None) -> FrameSource:
 
     def frames() -> Iterator[Frame]:
         for number, (time, picture) in enumerate(bag_images(path, topic)):
-            yield Frame(
-                name=f"{path.stem}_{number:06d}", number=number, read=partial(_given, picture), time=float(time)
-            )
+            yield Frame(name=f"{path.stem}_{number:06d}", number=number, read=partial(given, picture), time=float(time))
 
     return FrameSource(frames=frames(), total=0, kind="bag")
-
-
-def _given(value: Any) -> Any:
-    if isinstance(value, InputError):
-        raise value
-    return value
 
 
 def _ordinal(number: int) -> str:

@@ -10,7 +10,7 @@ from datetime import datetime
 from typing import Any
 
 from insectnav import __version__
-from insectnav.experiments.page_parts import POLICY, page_row, page_table, safe_text
+from insectnav.experiments.page_parts import page_row, page_table, safe_text, whole_page
 from insectnav.experiments.place_maps.page_style import STYLE
 from insectnav.experiments.place_maps.pairs import Pair
 from insectnav.experiments.place_maps.truth import quantity
@@ -70,26 +70,7 @@ def render_page(page: PlacePage) -> str:
         _numbers(page.numbers),
         _settings(page),
     ]
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="{safe_text(POLICY)}">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>insectnav: {safe_text(page.title)}</title>
-<link rel="icon" href="data:,">
-<style>{STYLE}</style>
-</head>
-<body>
-<header>
-{_head(page)}
-</header>
-<main>
-{chr(10).join(part for part in parts if part)}
-</main>
-</body>
-</html>
-"""
+    return whole_page(page.title, STYLE, _head(page), "\n".join(part for part in parts if part))
 
 
 def _head(page: PlacePage) -> str:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_range, quoted
-from insectnav.metrics.place_truth import true_matches_by_frames
+from insectnav.metrics.place_truth import true_matches_by_frames, true_matches_by_position
+from insectnav.metrics.retrieval import position_error
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
@@ -173,10 +174,11 @@ def by_position(
     if not has_position.any() or not has_place.any():
         what = "query" if not has_position.any() else "place of the map"
         raise InputError(f"no {what} has a position, expected some for a truth by --positions: other names or times?")
-    nearest, distance = _nearest(query, places)
-    error = np.where(matched >= 0, np.linalg.norm(query - places[np.maximum(matched, 0)], axis=1), np.nan)
+    nearest = true_matches_by_position(query, places, np.inf).reference
+    distance = position_error(query, places, np.where(has_position, nearest, -1.0))
+    error = position_error(query, places, matched)
     return Truth(
-        reference=np.where(has_position, nearest, np.nan),
+        reference=nearest,
         error=error,
         is_known=has_position & ((matched < 0) | has_place[np.maximum(matched, 0)]),
         is_in_map=has_position & (distance <= tolerance),
@@ -184,18 +186,6 @@ def by_position(
         unit="m",
         source=source,
     )
-
-
-def _nearest(query: Reals, places: Reals) -> tuple[Integers, Reals]:
-    """Number and distance of the place nearest to each query, of those that are known; infinitely far where none is."""
-    from scipy.spatial import cKDTree
-
-    known = np.flatnonzero(np.isfinite(places).all(axis=1))
-    is_known = np.isfinite(query).all(axis=1)
-    nearest, distance = np.zeros(len(query), np.int64), np.full(len(query), np.inf)
-    distance[is_known], index = cKDTree(places[known]).query(query[is_known])
-    nearest[is_known] = known[index]
-    return nearest, distance
 
 
 def read_pairs(
