@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.experiments.experiment import Arrays, Results, Table
+from insectnav.experiments.experiment import Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2014_places import fig_4ab
 from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, Run, contrast_of, pooled, route_pairs
 from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS, UV, Way
-from insectnav.experiments.stone2014_places.walk_frames import Section, section_arrays
 from insectnav.experiments.stone2014_places.walks import Walk, both_walks, whole_or_why_not
 
 if TYPE_CHECKING:
@@ -29,30 +27,14 @@ UNDER_TREES = 0.03  # [share of the solid angle above the horizon] that trees co
 TURNED = "rig turned by 180° for the queries"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Cell(Section):
-    """A section of a day's walk; parameters as of `walk_frames.Section`."""
-
-
-def grid(scale: str) -> Sequence[Cell]:
-    """The same frames as of `fig_4ab`."""
-    return [Cell(**asdict(cell)) for cell in fig_4ab.grid(scale)]
-
-
-def simulate(cell: Cell, seed: int) -> Arrays:
-    """What is kept of the frames of a section."""
-    return section_arrays(Section(**asdict(cell)), seed)
-
-
-@lru_cache(maxsize=2)
-def _walks(results: Results) -> dict[str, Walk]:
-    return both_walks(results)
+# The same frames as of `fig_4ab`.
+Cell, grid, simulate = fig_4ab.Cell, fig_4ab.grid, fig_4ab.simulate
 
 
 @lru_cache(maxsize=2)
 def _all_runs(results: Results) -> dict[str, dict[str, list[Run]]]:
     """Runs of each descriptor with the rig as it was carried, and turned."""
-    walks = _walks(results)
+    walks = both_walks(results)
     pairs = route_pairs(tuple(walks), results.cells[0].every)
     return {
         way.name: {"as carried": way.runs(walks, pairs), TURNED: way.runs(walks, pairs, is_turned=True)}
@@ -62,7 +44,7 @@ def _all_runs(results: Results) -> dict[str, dict[str, list[Run]]]:
 
 def summarise(results: Results) -> Table:
     """A row for each descriptor and for each way of carrying the rig."""
-    walks = _walks(results)
+    walks = both_walks(results)
     return [
         {"descriptor": name, "rig": rig, "kind": "rendered"} | _row(runs, walks, way)
         for way, (name, of_rigs) in zip(DESCRIPTORS, _all_runs(results).items(), strict=True)

@@ -56,14 +56,9 @@ def simulate(cell: Cell, seed: int) -> Arrays:
 
 
 @lru_cache(maxsize=2)
-def _walks(results: Results) -> dict[str, Walk]:
-    return both_walks(results)
-
-
-@lru_cache(maxsize=2)
 def _all_runs(results: Results) -> dict[str, list[Run]]:
     """Runs of each way on all pairs."""
-    walks = _walks(results)
+    walks = both_walks(results)
     pairs = route_pairs(tuple(walks), results.cells[0].every)
     return {way.name: way.runs(walks, pairs) for way in WAYS}
 
@@ -75,7 +70,7 @@ def _scores(results: Results) -> dict[str, Score]:
 
 def summarise(results: Results) -> Table:
     """A row for each way and set of runs."""
-    walks = _walks(results)
+    walks = both_walks(results)
     rows = []
     for way in WAYS:
         runs = _all_runs(results)[way.name]
@@ -139,7 +134,7 @@ def draw(results: Results) -> Figure:
     maps, lower = parts
     for letter, axes, way in zip("ab", maps.subplots(1, 2), AS_PUBLISHED, strict=True):
         run = worst(_all_runs(results)[way.name])
-        _draw_run(axes, run, _walks(results), is_uv=way is UV)
+        _draw_run(axes, run, both_walks(results), is_uv=way is UV)
         name_panel(axes, letter, f"{way.name}, worst test set")
     curves, bars = lower.subplots(1, 2, width_ratios=(1.0, 1.35))
     for name, colour in zip(
@@ -194,7 +189,7 @@ def _draw_bars(axes: Axes, scores: Mapping[str, Score]) -> None:
 
 def caption(results: Results) -> str:
     """What is shown."""
-    walks = _walks(results)
+    walks = both_walks(results)
     length = max(walk["distance"].max() for walk in walks.values())
     n = {day: len(walk) for day, walk in walks.items()}
     n_runs = len(_all_runs(results)[UV.name])

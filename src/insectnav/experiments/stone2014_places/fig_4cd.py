@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.experiments.experiment import Arrays, Results, Table
+from insectnav.experiments.experiment import Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2014_places import compass_runs, fig_4ab
 from insectnav.experiments.stone2014_places.compass_runs import CompassRun, both_directions, queries_of
 from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, TOLERANCES, Pair, share_of
 from insectnav.experiments.stone2014_places.sequence_ways import UV as UV_SEQUENCE
-from insectnav.experiments.stone2014_places.walk_frames import Section, section_arrays
 from insectnav.experiments.stone2014_places.walk_maps import draw_directions
-from insectnav.experiments.stone2014_places.walks import Walk, both_walks, whole_or_why_not
+from insectnav.experiments.stone2014_places.walks import both_walks, whole_or_why_not
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,31 +31,15 @@ UNMOVED_REDUCTION = 3  # of the mirror picture where it is not centred: bits eno
 AWAY = float(np.deg2rad(45.0))  # [rad] from the course, at which a direction leads away from the way; assumed
 
 
-@dataclass(frozen=True, kw_only=True)
-class Cell(Section):
-    """A section of a day's walk; parameters as of `walk_frames.Section`."""
-
-
-def grid(scale: str) -> Sequence[Cell]:
-    """The same frames as of `fig_4ab`."""
-    return [Cell(**asdict(cell)) for cell in fig_4ab.grid(scale)]
-
-
-def simulate(cell: Cell, seed: int) -> Arrays:
-    """What is kept of the frames of a section."""
-    return section_arrays(Section(**asdict(cell)), seed)
-
-
-@lru_cache(maxsize=2)
-def _walks(results: Results) -> dict[str, Walk]:
-    return both_walks(results)
+# The same frames as of `fig_4ab`.
+Cell, grid, simulate = fig_4ab.Cell, fig_4ab.grid, fig_4ab.simulate
 
 
 @lru_cache(maxsize=2)
 def _all_runs(results: Results) -> dict[str, list[CompassRun]]:
     """Of each way, either day as the reference of the other."""
     runs: dict[str, list[CompassRun]] = {name: [] for name in WAYS}
-    for reference, query in both_directions(_walks(results)):
+    for reference, query in both_directions(both_walks(results)):
         queries = queries_of(query)
         sky = compass_runs.sky_turns(reference, query, queries, centred=True, reduction=1)
         turns = {
@@ -70,7 +52,7 @@ def _all_runs(results: Results) -> dict[str, list[CompassRun]]:
         for name, matrix in turns.items():
             runs[name].append(compass_runs.found(reference, query, queries, matrix))
         pair = Pair(reference_day=reference.day, reference_start=0, query_day=query.day, query_start=0)
-        (sequence,) = UV_SEQUENCE.runs(_walks(results), [pair])
+        (sequence,) = UV_SEQUENCE.runs(both_walks(results), [pair])
         runs[UV_AFTER].append(compass_runs.found_after(reference, query, sequence, queries, sky))
     return runs
 
@@ -78,7 +60,7 @@ def _all_runs(results: Results) -> dict[str, list[CompassRun]]:
 def summarise(results: Results) -> Table:
     """A row for each way, of both directions together and of each."""
     rows = []
-    n_frames = sum(len(walk) for walk in _walks(results).values())
+    n_frames = sum(len(walk) for walk in both_walks(results).values())
     for name, runs in _all_runs(results).items():
         for which, chosen in (("both", runs), *((run.query_day, [run]) for run in runs)):
             about = {"way": name, "queries_of": which, "kind": "rendered", "n_frames": n_frames}
@@ -115,7 +97,7 @@ def draw(results: Results) -> Figure:
     figure = Figure(figsize=(DOUBLE_COLUMN, 4.9), layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=(3.1, 1.8))
     maps, lower = parts
-    walks = _walks(results)
+    walks = both_walks(results)
     query_day = tuple(walks)[-1]
     for letter, axes, name in zip("cd", maps.subplots(1, 2), (UV, GREY), strict=True):
         run = next(run for run in _all_runs(results)[name] if run.query_day == query_day)
@@ -154,7 +136,7 @@ def _draw_bars(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
 
 def caption(results: Results) -> str:
     """What is shown."""
-    walks, run = _walks(results), _all_runs(results)[UV][-1]
+    walks, run = both_walks(results), _all_runs(results)[UV][-1]
     size = next(iter(walks.values())).mirror_size
     return (
         "Rendered, no photograph: the walks of Fig. 4a, b. Every tenth second of one day is compared with all frames "

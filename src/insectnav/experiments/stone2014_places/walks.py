@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -73,6 +74,7 @@ def whole_or_why_not(n_frames: int) -> str:
     return f"{n_frames} frames of a part of the walk, expected all {n_published}: run it at full scale"
 
 
+@lru_cache(maxsize=2)
 def both_walks(results: Results, **wanted: Any) -> dict[str, Walk]:
     """Walks of both days."""
     return {day: walk_of(results, day, **wanted) for day in results.by("day")}

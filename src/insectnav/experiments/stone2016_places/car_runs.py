@@ -83,16 +83,15 @@ def recognised(results: Results) -> dict[tuple[str, int], Recognised]:
     reference, query = (passage_arrays(results, cell.site, SITE_SEEDS[cell.site], number) for number in (0, 1))
     truth = truth_between(reference, query)
     answers = {(FABMAP, 1): _by_words(results, reference["pictures"], query["pictures"], truth)}
-    for method in (VANILLA, NEUTRAL, SKY, POINTS, TRUE):
-        matrix = differences(reference, query, method)
+    matrices = {method: differences(reference, query, method) for method in (VANILLA, NEUTRAL, SKY, POINTS, TRUE)}
+    for method, matrix in matrices.items():
         answers |= {(method, length): in_sequences(matrix, truth, length) for length in LENGTHS}
     found = by_rotation(reference, query, truth, cell.size)
     answers[SINGLE, 1] = found.single
     for length in LENGTHS:
         answers[ROTATION, length] = in_sequences(found.matrix, truth, length, whole_contrast=True)
         answers[ROTATION_LOCAL, length] = in_sequences(found.matrix, truth, length)
-        sky = differences(reference, query, SKY)
-        answers[SKY_WHOLE, length] = in_sequences(sky, truth, length, whole_contrast=True)
+        answers[SKY_WHOLE, length] = in_sequences(matrices[SKY], truth, length, whole_contrast=True)
     return answers
 
 

@@ -85,15 +85,15 @@ def simulate(cell: Cell, seed: int) -> Arrays:
 @lru_cache(maxsize=1)
 def recognised(results: Results) -> tuple[dict[tuple[int, str], Recognised], dict[int, float]]:
     """Answers by difference of tilt and method, and the median error of the tilt found [°] by difference of tilt."""
-    answers, tilt_errors = {}, {}
+    answers: dict[tuple[int, str], Recognised] = {}
+    tilt_errors: dict[int, float] = {}
     size = results.cells[0].size
     for apart, pair in PAIRS.items():
         reference, query = (passage_arrays(results, SITE, SITE_SEEDS[SITE], number) for number in pair)
         truth = truth_between(reference, query)
-        for method in (VANILLA, NEUTRAL, SKY, POINTS, TRUE):
-            answers[apart, method] = in_sequences(differences(reference, query, method), truth)
-        sky = differences(reference, query, SKY)
-        answers[apart, SKY_WHOLE] = in_sequences(sky, truth, whole_contrast=True)
+        matrices = {name: differences(reference, query, name) for name in (VANILLA, NEUTRAL, SKY, POINTS, TRUE)}
+        answers |= {(apart, name): in_sequences(matrix, truth) for name, matrix in matrices.items()}
+        answers[apart, SKY_WHOLE] = in_sequences(matrices[SKY], truth, whole_contrast=True)
         found = by_rotation(reference, query, truth, size)
         answers[apart, ROTATION] = in_sequences(found.matrix, truth, whole_contrast=True)
         answers[apart, ROTATION_LOCAL] = in_sequences(found.matrix, truth)
