@@ -1,5 +1,6 @@
 """The command as a user meets it, for the tests of what it does."""
 
+import csv
 import json
 import os
 import subprocess
@@ -46,6 +47,12 @@ def in_process(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
 
 def everything(folder: Path) -> list[str]:
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    """Rows of a CSV file."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def strict(text: str) -> dict:

@@ -70,6 +70,13 @@ def write_pictures(folder: Path, pictures: np.ndarray, name: str = "frame{}.png"
     return folder
 
 
+def two_seasons(folder: Path) -> Path:
+    """The folder with two in it, summer and winter: one route in two seasons."""
+    write_pictures(folder / "summer", views())
+    write_pictures(folder / "winter", views(season=1))
+    return folder
+
+
 def spoil(path: Path) -> None:
     """Cut a file in the middle."""
     data = path.read_bytes()

@@ -1,6 +1,5 @@
 """`insectnav map` as a person meets it: two folders in, matches and a page out; what is refused, noted, left behind."""
 
-import csv
 import os
 import signal
 import subprocess
@@ -13,24 +12,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from command_line import NEEDS_POSIX, assert_refused, command, everything, in_process, strict, until
+from command_line import NEEDS_POSIX, assert_refused, command, everything, in_process, strict, table, until
 from html_outline import Outline
 from insectnav.experiments.place_maps.thumbnails import find_thumbnails
 from insectnav.matching.places import PlaceMap
-from place_scenes import N_FRAMES, panoramas, sky_disk, skylines, spoil, views, write_pictures
-
-
-def table(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+from place_scenes import N_FRAMES, panoramas, sky_disk, skylines, spoil, two_seasons, views, write_pictures
 
 
 @pytest.fixture
 def walk(tmp_path: Path) -> Path:
     """Two folders of one route in two seasons."""
-    write_pictures(tmp_path / "summer", views())
-    write_pictures(tmp_path / "winter", views(season=1))
-    return tmp_path
+    return two_seasons(tmp_path)
 
 
 @pytest.fixture

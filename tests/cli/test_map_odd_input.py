@@ -1,29 +1,21 @@
 """`insectnav map` with tables from spreadsheets, patterns, steps and frames that tell nothing."""
 
-import csv
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from command_line import assert_refused, in_process, strict
-from place_scenes import N_FRAMES, views, write_pictures
+from command_line import assert_refused, in_process, strict, table
+from place_scenes import N_FRAMES, two_seasons
 
 MATCHES = "query,name,reference,reference_name,route,score,has_sequence\n"
-
-
-def table(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 @pytest.fixture
 def walk(tmp_path: Path) -> Path:
     """Two folders of one route in two seasons."""
-    write_pictures(tmp_path / "summer", views())
-    write_pictures(tmp_path / "winter", views(season=1))
-    return tmp_path
+    return two_seasons(tmp_path)
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """`insectnav segment` as a person meets it: a folder in, masks out; scores; what is skipped, refused, left behind."""
 
-import csv
 import signal
 import subprocess
 import sys
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from command_line import NEEDS_POSIX, Outcome, assert_refused, command, everything, in_process, strict, until
+from command_line import NEEDS_POSIX, Outcome, assert_refused, command, everything, in_process, strict, table, until
 from insectnav.metrics.segmentation import accuracy, intersection_over_union, skyline_error
 from sky_scenes import hills
 
@@ -29,11 +28,6 @@ def mask_picture(sky: np.ndarray) -> np.ndarray:
 
 def read(path: Path) -> np.ndarray:
     return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-
-
-def table(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 @pytest.fixture
