@@ -34,12 +34,12 @@ def test_names_are_those_of_modules_and_no_module_is_forgotten():
     modules = [load(name).__name__ for name in names()]
     assert len(set(modules)) == len(modules) > 0
     folder = Path(insectnav.experiments.__file__).parent
-    with_cells = {
+    with_titles = {
         "insectnav.experiments." + ".".join(path.relative_to(folder).with_suffix("").parts)
         for path in folder.glob("*/*.py")
-        if re.search(r"^class Cell\b", path.read_text(encoding="utf-8"), re.MULTILINE)
+        if re.search(r"^TITLE = ", path.read_text(encoding="utf-8"), re.MULTILINE)
     }
-    assert with_cells == set(modules)
+    assert with_titles == set(modules)
 
 
 @pytest.mark.parametrize("name", names())
