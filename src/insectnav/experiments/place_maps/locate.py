@@ -162,6 +162,7 @@ def locate(
     given = opened(places, params.frames, about)
     describe, frames, notes = settled(given.frames, given.describe)
     if describe.descriptor == ROTATED and not describe.is_vectors:
+        _check_no_sequences(params.seqslam)
         params = replace(params, seqslam=replace(params.seqslam, sequence_length=1))
         notes = [*notes, "rotations are searched frame by frame, without sequences"]
     remarks = Remarks()
@@ -182,6 +183,16 @@ def locate(
         seqslam=params.seqslam,
         seconds={"describing": middle - started, "matching": finished - middle},
     )
+
+
+def _check_no_sequences(given: SeqSlamParams) -> None:
+    """Refuse what is said of sequences where single frames are compared after all rotations."""
+    usual = SeqSlamParams()
+    for name in ("sequence_length", "slowest", "fastest", "contrast_window", "unique_window"):
+        value = getattr(given, name)
+        if value != getattr(usual, name) and (name, value) != ("sequence_length", 1):
+            option = "--" + name.replace("_", "-")
+            raise InputError(f"{option} is given with {ROTATED}, which are searched frame by frame, expected none")
 
 
 def _collected(
