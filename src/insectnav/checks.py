@@ -26,6 +26,18 @@ def quoted(value: object, limit: int = 40) -> str:
     return repr(text if len(text) <= limit else text[: limit - 1] + "…")
 
 
+def counted(number: int, one: str, many: str = "") -> str:
+    """A number and what is counted, as a person writes it: 1 frame, 2 frames, 1 query.
+
+    Parameters
+    ----------
+    number : int
+    one : word, or words, for one of them
+    many : the same for another number; "" adds an s
+    """
+    return f"{number} {one if number == 1 else many or one + 's'}"
+
+
 def as_numbers(name: str, values: npt.ArrayLike) -> npt.NDArray[Any]:
     """Array of integers or floats, as given; refuses text, booleans and ragged lists."""
     try:

@@ -110,7 +110,7 @@ def test_a_blank_picture_has_no_match_of_single_frames_either(run, walk: Path):
     found = strict(run(*located).out)
     assert [row["query"] for row in found["matches"] if row["reference"] < 0] == [7]
     assert found["numbers"]["precision_of_all"] == 1.0
-    assert "1 more queries have no match: too many frames missing, or nothing tells places apart" in found["notes"]
+    assert "1 more query has no match: too many frames missing, or nothing tells places apart" in found["notes"]
 
 
 def test_a_match_is_not_unique_where_every_place_counts_as_the_same(run, walk: Path):

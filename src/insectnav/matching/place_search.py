@@ -163,12 +163,3 @@ def checked_queries(landscape: Landscape, descriptors: ArrayLike) -> NDArray[Any
         )
     landscape.references(slice(0, 1)).differences(queries[:1])  # which refuses numbers of another type
     return queries
-
-
-def check_length(queries: NDArray[Any], params: SeqSlamParams) -> None:
-    """Refuse fewer queries than a sequence is long."""
-    if len(queries) < params.n_steps + 1:
-        raise InputError(
-            f"there are {len(queries)} queries, expected at least {params.n_steps + 1} for sequences of "
-            f"{params.sequence_length} steps: fewer frames than a sequence?"
-        )

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.checks import InputError, quoted
+from insectnav.checks import InputError, counted, quoted
 from insectnav.experiments.figures import save_figure
 from insectnav.experiments.place_maps import figures
 from insectnav.experiments.place_maps.compare import differences
@@ -359,7 +359,7 @@ def _search_in_words(search: Search, by: str) -> str:
     known = steps[np.isfinite(steps)]
 
     def places(count: int) -> str:
-        return f"{count} places" + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
+        return counted(count, "place") + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
 
     around = places(seqslam.unique_window // 2)
     if not seqslam.n_steps:
@@ -378,8 +378,9 @@ def _settings(search: Search, params: LocateParams, place_map: PlaceMap) -> list
     """Everything that was set or assumed."""
     found = search.found
     origin = place_map.about.origin_deg
+    places, routes = counted(place_map.n_places, "place"), counted(int(found.place_routes.max()) + 1, "route")
     rows = [
-        ("Map", f"{place_map.path}, {place_map.n_places} places on {int(found.place_routes.max()) + 1} routes"),
+        ("Map", f"{place_map.path}, {places} on {routes}"),
         *search.describe.in_words(),
         ("Frames taken", params.frames.thinning.in_words),
         ("Matched by", _search_in_words(search, params.search)),
