@@ -104,7 +104,7 @@ def test_a_place_of_a_sentence_that_is_void_is_not_taken():
 @pytest.mark.parametrize("day", ["060180", "", "140120"])
 def test_a_log_without_any_fix_is_refused_in_a_sentence(day: str):
     log = NO_FIX + rmc("100000", day, status="V") + rmc("100001", day, mode="N") + gga("100001", quality="0")
-    with pytest.raises(InputError, match="^in all of 5 sentences RMC and GGA the receiver says that it has no fix"):
+    with pytest.raises(InputError, match=r"^in all of 5 sentences RMC and GGA the receiver says that it has no fix"):
         parse_nmea(log)
 
 

@@ -1,7 +1,9 @@
 """Bags of ROS 1 and 2, written by rosbags: pictures, positions, the choice of a topic, and bags that mean harm."""
 
 import bz2
+import sqlite3
 import sys
+import tempfile
 from pathlib import Path
 
 import cv2
@@ -10,9 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from command_line import everything
 from insectnav.checks import InputError
 from insectnav.datasets import bounded_chunks
-from insectnav.datasets.ros_bag import bag_images, bag_positions, bag_topics
+from insectnav.datasets.ros_bag import bag_frames, bag_images, bag_positions, bag_topics
 
 rosbag1 = pytest.importorskip("rosbags.rosbag1")
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
@@ -261,11 +264,91 @@ def test_bound_stops_unpacking_early():
     assert len(seen[0]) == 1001
 
 
-@pytest.mark.parametrize("mode", list(rosbag2.CompressionMode)[1:3])
-def test_folders_compressed_as_such_are_refused(mode, tmp_path: Path):
-    path = bag(tmp_path, ROS2, {"/odometry": walk}, mode)
-    with pytest.raises(InputError, match=f"is compressed by {mode.name.lower()}, expected a bag that is not"):
+PACKED = (rosbag2.CompressionMode.FILE, rosbag2.CompressionMode.MESSAGE)
+
+
+@pytest.mark.parametrize("mode", PACKED)
+@pytest.mark.parametrize("kind", [ROS2, MCAP])
+def test_folders_with_compressed_files_or_messages_are_read(mode, kind: str, tmp_path: Path):
+    path = bag(tmp_path, kind, {"/camera": camera, "/odometry": walk}, mode)
+    before = everything(tmp_path)
+    found = [(topic.name, topic.kind, topic.n_messages) for topic in bag_topics(path)]
+    assert found == [("/camera", "sensor_msgs/msg/Image", 3), ("/odometry", "nav_msgs/msg/Odometry", 4)]
+    pictures = list(bag_images(path))
+    np.testing.assert_allclose([time for time, _ in pictures], [10.5, 11.5, 12.5])
+    np.testing.assert_array_equal([picture for _, picture in pictures], [PICTURE + k for k in range(3)])
+    np.testing.assert_array_equal(bag_positions(path).position, [(k, 2, 0.5) for k in range(4)])
+    assert everything(tmp_path) == before
+
+
+def test_files_that_unpack_beyond_bounds_are_refused_and_nothing_stays(tmp_path: Path, monkeypatch):
+    path = bag(tmp_path, ROS2, {"/odometry": walk}, rosbag2.CompressionMode.FILE)
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    monkeypatch.setattr(bounded_chunks, "MAX_UNPACKED", 10_000)
+    with pytest.raises(InputError, match="'walk' unpacks to more than there is room for"):
         bag_positions(path)
+    assert not everything(temporary)
+
+
+def test_messages_that_unpack_beyond_bounds_are_refused(tmp_path: Path, monkeypatch):
+    path = bag(tmp_path, ROS2, {"/camera": camera, "/odometry": walk}, rosbag2.CompressionMode.MESSAGE)
+    monkeypatch.setattr(bounded_chunks, "MAX_CHUNK", 60)
+    with pytest.raises(InputError, match="message 0 of '/odometry' in 'walk' unpacks to more than"):
+        bag_positions(path)
+    frames = list(bag_frames(path))
+    assert len(frames) == 3
+    with pytest.raises(InputError, match="message 2 of '/camera' in 'walk' unpacks to more than"):
+        frames[2].read()
+
+
+def test_folders_compressed_in_another_way_are_refused(tmp_path: Path):
+    path = bag(tmp_path, ROS2, {"/odometry": walk}, rosbag2.CompressionMode.FILE)
+    about = path / "metadata.yaml"
+    about.write_text(about.read_text().replace("zstd", "lz77"))
+    with pytest.raises(InputError, match=r"'walk' is compressed by 'lz77', expected zstd, .*ros2 bag convert unpacks"):
+        bag_positions(path)
+
+
+def test_names_of_compressed_files_lead_nowhere_else(tmp_path: Path):
+    path = bag(tmp_path, ROS2, {"/odometry": walk}, rosbag2.CompressionMode.FILE)
+    file = next(path.glob("*.zstd"))
+    (tmp_path / "elsewhere.db3.zstd").write_bytes(file.read_bytes())
+    about = path / "metadata.yaml"
+    about.write_text(about.read_text().replace(file.name, "../elsewhere.db3.zstd"))
+    with pytest.raises(InputError, match="cannot be read as a bag"):
+        bag_positions(path)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_damaged_picture_does_not_end_those_that_follow(kind: str, tmp_path: Path):
+    def make(messages: Messages) -> list:
+        whole = [messages.compressed(10.0 + k, "png", PICTURE + np.uint8(k)) for k in range(3)]
+        whole[1].data = whole[1].data[:-20]
+        return whole
+
+    path = bag(tmp_path, kind, {"/camera": make})
+    frames = list(bag_frames(path))
+    assert [frame.time for frame in frames] == [10.0, 11.0, 12.0]
+    np.testing.assert_array_equal(frames[0].read(), PICTURE)
+    np.testing.assert_array_equal(frames[2].read(), PICTURE + 2)
+    with pytest.raises(InputError, match=r"^message 1 of '/camera' in .* ends before its picture does"):
+        frames[1].read()
+    with pytest.raises(InputError, match="message 1 of"):
+        list(bag_images(path))
+
+
+def test_a_damaged_message_is_a_picture_at_an_unknown_time(tmp_path: Path):
+    path = bag(tmp_path, ROS2, {"/camera": camera})
+    with sqlite3.connect(next(path.glob("*.db3"))) as store:
+        store.execute("UPDATE messages SET data = substr(data, 1, 30) WHERE id = 2")
+    frames = list(bag_frames(path))
+    np.testing.assert_array_equal([frame.time for frame in frames], [10.5, np.nan, 12.5])
+    assert [frame.time for frame in bag_frames(path, clock="bag")] == [2, 3, 4]
+    np.testing.assert_array_equal(frames[2].read(), PICTURE + 2)
+    with pytest.raises(InputError, match=r"^message 1 of '/camera' in 'walk' cannot be decoded"):
+        frames[1].read()
 
 
 def test_message_of_another_definition_is_refused(tmp_path: Path):
@@ -313,20 +396,25 @@ def test_without_the_extra_the_error_names_it(tmp_path: Path, monkeypatch: pytes
         bag_topics(tmp_path / "a.bag")
 
 
+DAMAGED = {kind: (kind, None) for kind in KINDS} | {f"packed by {mode.name}": (ROS2, mode) for mode in PACKED}
+
+
 @pytest.fixture(scope="module")
 def whole_bags(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, Path]]:
     """A sound bag of each kind and its file, with a copy beside it."""
     found = {}
-    for kind in KINDS:
-        path = bag(tmp_path_factory.mktemp("bag"), kind, {"/camera": camera, "/odometry": walk})
-        file = path if kind == ROS1 else next(one for one in path.iterdir() if one.suffix in (".mcap", ".db3"))
+    for name, (kind, mode) in DAMAGED.items():
+        path = bag(tmp_path_factory.mktemp("bag"), kind, {"/camera": camera, "/odometry": walk}, mode)
+        file = path if kind == ROS1 else next(one for one in path.iterdir() if one.suffix in (".mcap", ".db3", ".zstd"))
         file.with_suffix(".whole").write_bytes(file.read_bytes())
-        found[kind] = path, file
+        found[name] = path, file
     return found
 
 
-@settings(max_examples=60, deadline=None)
-@given(kind=st.sampled_from(KINDS), share=st.floats(0, 1), length=st.integers(0, 40), other=st.binary(max_size=8))
+@settings(max_examples=100, deadline=None)
+@given(
+    kind=st.sampled_from(sorted(DAMAGED)), share=st.floats(0, 1), length=st.integers(0, 40), other=st.binary(max_size=8)
+)
 def test_damaged_bag_is_read_or_refused_but_never_fails_otherwise(
     whole_bags: dict, kind: str, share: float, length: int, other: bytes
 ):

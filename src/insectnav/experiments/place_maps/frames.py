@@ -301,11 +301,11 @@ def _first_line(error: Exception) -> str:
 
 
 def _of_bag(path: Path, topic: str | None) -> FrameSource:
-    from insectnav.datasets.ros_bag import bag_images
+    from insectnav.datasets.ros_bag import bag_frames
 
     def frames() -> Iterator[Frame]:
-        for number, (time, picture) in enumerate(bag_images(path, topic)):
-            yield Frame(name=f"{path.stem}_{number:06d}", number=number, read=partial(given, picture), time=float(time))
+        for number, frame in enumerate(bag_frames(path, topic)):
+            yield Frame(name=f"{path.stem}_{number:06d}", number=number, read=frame.read, time=frame.time)
 
     return FrameSource(frames=frames(), total=0, kind="bag")
 
