@@ -9,7 +9,7 @@ from command_line import assert_refused, everything, in_process
 from insectnav.cli import map_options
 from insectnav.cli.map_idle_options import with_a_table
 from insectnav.cli.option_tables import field_of
-from place_scenes import N_FRAMES, sky_disk, skylines, two_seasons, write_pictures
+from place_scenes import N_FRAMES, two_seasons
 
 TABLE = ["map", "evaluate", "m.csv", "--same-index"]
 FRAMES = ["map", "evaluate", "route", "winter", "--same-index"]
@@ -97,11 +97,3 @@ def test_what_does_something_is_taken(run, walk: Path):
     assert run("map", "evaluate", "m.csv", *by_metres, "--map", "placed").code == 0
     assert run(*FRAMES, "--positions", "where.csv", "--every-m", "1").code == 0
     assert run("map", "locate", "own", "a.npy", "--out", "n.csv").code == 0
-
-
-def test_single_frames_after_all_rotations_have_no_sequences(run, walk: Path):
-    write_pictures(walk / "up", np.stack([sky_disk(one, 32) for one in skylines()[::16]]))
-    options = ("--camera", "fisheye:180", "--sky", "mask", "--descriptor", "rotations")
-    assert run("map", "build", "up", "rotated", *options).code == 0
-    words = "--slowest is given with rotations, which are searched frame by frame"
-    assert_refused(run("map", "locate", "rotated", "up", "--slowest", "1"), words)
