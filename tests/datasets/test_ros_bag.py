@@ -1,120 +1,17 @@
 """Bags of ROS 1 and 2, written by rosbags: pictures, positions, the choice of a topic, and bags that mean harm."""
 
-import bz2
 import sqlite3
 import sys
-import tempfile
 from pathlib import Path
 
-import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from command_line import everything
 from insectnav.checks import InputError
-from insectnav.datasets import bounded_chunks
 from insectnav.datasets.ros_bag import bag_frames, bag_images, bag_positions, bag_topics
-
-rosbag1 = pytest.importorskip("rosbags.rosbag1")
-rosbag2 = pytest.importorskip("rosbags.rosbag2")
-typesys = pytest.importorskip("rosbags.typesys")
-
-ROS1, ROS2, MCAP = "ros1", "ros2", "mcap"
-KINDS = (ROS1, ROS2, MCAP)
-PICTURE = np.arange(24, dtype=np.uint8).reshape(2, 4, 3)  # red, green, blue
-
-
-class Messages:
-    """Messages of one version of ROS."""
-
-    def __init__(self, kind: str) -> None:
-        self.is_first = kind == ROS1
-        self.store = typesys.get_typestore(typesys.Stores.ROS1_NOETIC if self.is_first else typesys.Stores.ROS2_HUMBLE)
-
-    def make(self, name: str, **fields):
-        return self.store.types[name](**fields)
-
-    def header(self, seconds: float):
-        whole = int(seconds)
-        stamp = self.make("builtin_interfaces/msg/Time", sec=whole, nanosec=round((seconds - whole) * 1e9))
-        return self.make("std_msgs/msg/Header", stamp=stamp, frame_id="", **({"seq": 0} if self.is_first else {}))
-
-    def image(self, seconds: float, encoding: str, lines: np.ndarray, columns: int, **more):
-        fields = {"height": len(lines), "width": columns, "step": lines.shape[1], "is_bigendian": 0} | more
-        header = self.header(seconds)
-        return self.make(
-            "sensor_msgs/msg/Image", header=header, encoding=encoding, data=lines.reshape(-1).view(np.uint8), **fields
-        )
-
-    def compressed(self, seconds: float, ending: str, picture: np.ndarray):
-        data = cv2.imencode(f".{ending}", picture[..., ::-1])[1].reshape(-1)
-        return self.make("sensor_msgs/msg/CompressedImage", header=self.header(seconds), format=ending, data=data)
-
-    def fix(self, seconds: float, latitude: float, longitude: float, altitude: float, status: int = 0):
-        return self.make(
-            "sensor_msgs/msg/NavSatFix",
-            header=self.header(seconds),
-            status=self.make("sensor_msgs/msg/NavSatStatus", status=status, service=1),
-            latitude=latitude,
-            longitude=longitude,
-            altitude=altitude,
-            position_covariance=np.zeros(9),
-            position_covariance_type=0,
-        )
-
-    def pose(self, x: float, y: float, z: float):
-        return self.make(
-            "geometry_msgs/msg/Pose",
-            position=self.make("geometry_msgs/msg/Point", x=x, y=y, z=z),
-            orientation=self.make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-        )
-
-    def stamped(self, seconds: float, x: float, y: float, z: float):
-        return self.make("geometry_msgs/msg/PoseStamped", header=self.header(seconds), pose=self.pose(x, y, z))
-
-    def odometry(self, seconds: float, x: float, y: float, z: float):
-        still = self.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
-        twist = self.make("geometry_msgs/msg/Twist", linear=still, angular=still)
-        return self.make(
-            "nav_msgs/msg/Odometry",
-            header=self.header(seconds),
-            child_frame_id="base",
-            pose=self.make("geometry_msgs/msg/PoseWithCovariance", pose=self.pose(x, y, z), covariance=np.zeros(36)),
-            twist=self.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)),
-        )
-
-
-def bag(folder: Path, kind: str, topics: dict, compression=None) -> Path:
-    """A bag of messages by topic, each arriving 2 s after the topic's start and one second after the other."""
-    messages = Messages(kind)
-    path = folder / ("walk.bag" if kind == ROS1 else "walk")
-    if kind == ROS1:
-        writer = rosbag1.Writer(path)
-        if compression:
-            writer.set_compression(compression)
-    else:
-        plugin = rosbag2.StoragePlugin.MCAP if kind == MCAP else rosbag2.StoragePlugin.SQLITE3
-        writer = rosbag2.Writer(path, version=9, storage_plugin=plugin)
-        if compression:
-            writer.set_compression(compression, rosbag2.CompressionFormat.ZSTD)
-    serialise = messages.store.serialize_ros1 if kind == ROS1 else messages.store.serialize_cdr
-    with writer:
-        for topic, make in topics.items():
-            made = make(messages)
-            connection = writer.add_connection(topic, made[0].__msgtype__, typestore=messages.store)
-            for k, message in enumerate(made):
-                writer.write(connection, (2 + k) * 10**9, bytes(serialise(message, message.__msgtype__)))
-    return path
-
-
-def camera(messages: Messages) -> list:
-    return [messages.image(10.5 + k, "rgb8", PICTURE.reshape(2, 12) + np.uint8(k), 4) for k in range(3)]
-
-
-def walk(messages: Messages) -> list:
-    return [messages.odometry(10.0 + k, 1.0 * k, 2.0, 0.5) for k in range(4)]
+from robot_bags import KINDS, PACKED, PICTURE, ROS1, ROS2, Messages, bag, camera, rosbag1, typesys, walk
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -233,92 +130,6 @@ def test_bag_without_such_topics_names_the_others(tmp_path: Path):
         pass
     with pytest.raises(InputError, match="no topic"):
         bag_positions(empty)
-
-
-@pytest.mark.parametrize("compression", list(rosbag1.Writer.CompressionFormat))
-def test_compressed_chunks_are_unpacked(compression, tmp_path: Path):
-    path = bag(tmp_path, ROS1, {"/odometry": walk}, compression)
-    assert len(bag_positions(path).time) == 4
-
-
-@pytest.mark.parametrize("compression", list(rosbag1.Writer.CompressionFormat))
-def test_chunks_that_unpack_beyond_bounds_are_refused(compression, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    path = bag(tmp_path, ROS1, {"/odometry": walk}, compression)
-    monkeypatch.setattr(bounded_chunks, "MAX_CHUNK", 1000)
-    with pytest.raises(InputError, match="unpacks to more than"):
-        bag_positions(path)
-
-
-def test_bound_stops_unpacking_early():
-    bomb = bz2.compress(bytes(10**7))
-    seen = []
-
-    def unpack(data: bytes, most: int) -> bytes:
-        seen.append(bz2.BZ2Decompressor().decompress(data, most))
-        return seen[0]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(bounded_chunks, "MAX_CHUNK", 1000)
-        with pytest.raises(InputError, match="unpacks to more"):
-            bounded_chunks._within(unpack, bomb)
-    assert len(seen[0]) == 1001
-
-
-PACKED = (rosbag2.CompressionMode.FILE, rosbag2.CompressionMode.MESSAGE)
-
-
-@pytest.mark.parametrize("mode", PACKED)
-@pytest.mark.parametrize("kind", [ROS2, MCAP])
-def test_folders_with_compressed_files_or_messages_are_read(mode, kind: str, tmp_path: Path):
-    path = bag(tmp_path, kind, {"/camera": camera, "/odometry": walk}, mode)
-    before = everything(tmp_path)
-    found = [(topic.name, topic.kind, topic.n_messages) for topic in bag_topics(path)]
-    assert found == [("/camera", "sensor_msgs/msg/Image", 3), ("/odometry", "nav_msgs/msg/Odometry", 4)]
-    pictures = list(bag_images(path))
-    np.testing.assert_allclose([time for time, _ in pictures], [10.5, 11.5, 12.5])
-    np.testing.assert_array_equal([picture for _, picture in pictures], [PICTURE + k for k in range(3)])
-    np.testing.assert_array_equal(bag_positions(path).position, [(k, 2, 0.5) for k in range(4)])
-    assert everything(tmp_path) == before
-
-
-def test_files_that_unpack_beyond_bounds_are_refused_and_nothing_stays(tmp_path: Path, monkeypatch):
-    path = bag(tmp_path, ROS2, {"/odometry": walk}, rosbag2.CompressionMode.FILE)
-    temporary = tmp_path / "temporary"
-    temporary.mkdir()
-    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
-    monkeypatch.setattr(bounded_chunks, "MAX_UNPACKED", 10_000)
-    with pytest.raises(InputError, match="'walk' unpacks to more than there is room for"):
-        bag_positions(path)
-    assert not everything(temporary)
-
-
-def test_messages_that_unpack_beyond_bounds_are_refused(tmp_path: Path, monkeypatch):
-    path = bag(tmp_path, ROS2, {"/camera": camera, "/odometry": walk}, rosbag2.CompressionMode.MESSAGE)
-    monkeypatch.setattr(bounded_chunks, "MAX_CHUNK", 60)
-    with pytest.raises(InputError, match="message 0 of '/odometry' in 'walk' unpacks to more than"):
-        bag_positions(path)
-    frames = list(bag_frames(path))
-    assert len(frames) == 3
-    with pytest.raises(InputError, match="message 2 of '/camera' in 'walk' unpacks to more than"):
-        frames[2].read()
-
-
-def test_folders_compressed_in_another_way_are_refused(tmp_path: Path):
-    path = bag(tmp_path, ROS2, {"/odometry": walk}, rosbag2.CompressionMode.FILE)
-    about = path / "metadata.yaml"
-    about.write_text(about.read_text().replace("zstd", "lz77"))
-    with pytest.raises(InputError, match=r"'walk' is compressed by 'lz77', expected zstd, .*ros2 bag convert unpacks"):
-        bag_positions(path)
-
-
-def test_names_of_compressed_files_lead_nowhere_else(tmp_path: Path):
-    path = bag(tmp_path, ROS2, {"/odometry": walk}, rosbag2.CompressionMode.FILE)
-    file = next(path.glob("*.zstd"))
-    (tmp_path / "elsewhere.db3.zstd").write_bytes(file.read_bytes())
-    about = path / "metadata.yaml"
-    about.write_text(about.read_text().replace(file.name, "../elsewhere.db3.zstd"))
-    with pytest.raises(InputError, match="cannot be read as a bag"):
-        bag_positions(path)
 
 
 @pytest.mark.parametrize("kind", KINDS)
