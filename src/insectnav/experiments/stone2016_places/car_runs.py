@@ -53,7 +53,7 @@ SINGLE = f"{ROTATION}, single frames"
 NONE = float("nan")
 
 
-def car_sections(site: str, scale: str) -> list[Section]:
+def cells_of(site: str, scale: str) -> list[Section]:
     """Both passages of a site, and training passages of both kinds of site; at quick scale the beginning of each."""
     full = scale == "full"
     how: dict[str, Any] = {"size": FULL_SIZE, "supersampling": 2} if full else {"size": 96, "supersampling": 1}
@@ -71,9 +71,9 @@ def car_sections(site: str, scale: str) -> list[Section]:
     return found
 
 
-def simulate_section(section: Section, seed: int) -> Arrays:
+def simulate(cell: Section, seed: int) -> Arrays:
     """What the methods compare, of each frame, and the grey pictures for FAB-MAP."""
-    return keep(section, seed, with_pictures=True)
+    return keep(cell, seed, with_pictures=True)
 
 
 @lru_cache(maxsize=1)
@@ -121,7 +121,7 @@ def _by_words(results: Results, reference: NDArray[Any], query: NDArray[Any], tr
     return Recognised(reference=found.reference, score=found.score, truth=truth)
 
 
-def table_of(results: Results) -> Table:
+def summarise(results: Results) -> Table:
     """A row for each method and length of sequence, and for each second passage over the first part of the way."""
     cell = results.cells[0]
     reference, query = (passage_arrays(results, cell.site, SITE_SEEDS[cell.site], number) for number in (0, 1))
@@ -186,7 +186,7 @@ def median_precision(answer: Recognised) -> float:
     return 100.0 * float(curve.precision[order][np.searchsorted(share, 0.5)])
 
 
-def draw_runs(results: Results) -> Figure:
+def draw(results: Results) -> Figure:
     """Pictures of both passages, correspondences of four methods, precision over recall."""
     from matplotlib.figure import Figure
 
@@ -237,7 +237,7 @@ def _draw_examples(part: Any, results: Results) -> None:
     name_panel(panels[0], "a", f"visible, {along:.0f} m")
 
 
-def caption_of(results: Results, made_of: str) -> str:
+def caption(results: Results, made_of: str) -> str:
     """What the figure shows."""
     cell = results.cells[0]
     cells = results.where(site_seed=SITE_SEEDS[cell.site], passage=0)
@@ -253,7 +253,7 @@ def caption_of(results: Results, made_of: str) -> str:
     )
 
 
-def compare_runs(table: Table, published: Mapping[str, Published]) -> Sequence[Verdict]:
+def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdict]:
     """Each published number of a figure beside ours."""
     rows = {(row["method"], row["sequence_length"]): row for row in table if row["passages"] == "whole way"}
     why = _why(rows, [row for row in table if row["passages"] != "whole way"])
