@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,8 +14,10 @@ from insectnav.agents.simulation import TrialArrays, TrialParams, simulate_trial
 from insectnav.angles import bearing, wrap
 from insectnav.central_complex import CircuitParams
 from insectnav.experiments.figures import COLOURS
-from insectnav.experiments.stone2017_path_integration.trips import N_STEPS
+from insectnav.experiments.stone2017_path_integration.trips import HOME_RANGE, N_STEPS
+from insectnav.metrics.path_integration import summary
 from insectnav.metrics.search import NEVER
+from insectnav.metrics.statistics import bootstrap_error
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,6 +85,50 @@ def way_walked(path: np.ndarray, last_step: np.ndarray) -> np.ndarray:
     steps = np.linalg.norm(np.diff(path.astype(float), axis=1), axis=-1)
     walked = np.concatenate([np.zeros((len(path), 1)), np.cumsum(steps, axis=1)], axis=1)
     return np.where(last_step == NEVER, np.nan, walked[np.arange(len(path)), last_step])
+
+
+def home_arrays(arrays: TrialArrays, home: np.ndarray, arrival: np.ndarray) -> dict[str, tuple[Any, ...]]:
+    """Where each way home (trial, step, 2) began, how near it came to the nest, and its length, as cells keep them.
+
+    Parameters
+    ----------
+    arrays : TrialArrays
+    home : of the same trials
+    arrival : (trial,) step at which each is in the home range, as of `first_arrival`
+    """
+    start = np.linalg.norm(home[:, 0], axis=-1)
+    where = {"long_name": "the obstacles lie between the turning point and the nest"}
+    return {
+        "is_beyond": (("trial",), start > FARTHEST_SOUTH + MARGIN, where),
+        "start_distance": (("trial",), start, {"units": "steps"}),
+        "closest_distance": (("trial",), arrays.closest_distance, {"units": "steps"}),
+        "walked": (("trial",), way_walked(home, arrival), {"units": "steps"}),
+    }
+
+
+def detour(arrays: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Way walked over straight way, both to the home range, of the trials that began beyond the obstacles."""
+    beyond = arrays["is_beyond"]
+    return arrays["walked"][beyond] / (arrays["start_distance"][beyond] - HOME_RANGE)
+
+
+def home_findings(arrays: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """Number of trials that began beyond the obstacles, how near they came and how directly."""
+    closest = arrays["closest_distance"][arrays["is_beyond"]]
+    return {
+        "n": closest.size,
+        "mean_closest_distance": summary(closest).mean,
+        "median_closest_distance": summary(closest).median,
+        "closest_distance_standard_error": bootstrap_error(closest, np.median),
+        "within_home_range": float(np.mean(closest <= HOME_RANGE)),
+        "median_way_over_straight": summary(detour(arrays)).median,
+    }
+
+
+def draw_shares(axes: Axes, values: np.ndarray, **look: Any) -> None:
+    """Share of all trials up to each value [%]; a trial without a value never comes."""
+    ordered = np.sort(values[np.isfinite(values)])
+    axes.plot(ordered, 100.0 * np.arange(1, ordered.size + 1) / values.size, **look)
 
 
 def draw_obstacles(axes: Axes, obstacles: Sequence[Any]) -> None:

@@ -21,6 +21,7 @@ HOME_RANGE = 20.0  # [steps] Ext. Data Fig. 8: the range round the nest that cou
 NOISE_LEVELS = (0.0, 0.1, 0.2, 0.3, 0.4)  # σ_r, Methods
 NOISE_COLOURS = dict(zip(NOISE_LEVELS, ("black", "blue", "green", "orange", "red"), strict=True))
 PRESET_NAMES = {"thesis": "thesis constants", "code-2017": "2017 code's constants"}
+PRESET_LINES = {"thesis": "-", "code-2017": "--"}
 
 
 def random_trips(
