@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.agents.motion import MotionParams
 from insectnav.agents.perturbations import Circle, Wall
-from insectnav.agents.simulation import TrialParams, simulate_trials
 from insectnav.angles import bearing, wrap
 from insectnav.central_complex import PRESETS, circuit_params
 from insectnav.experiments.experiment import Arrays, Results, Table
@@ -28,6 +26,7 @@ from insectnav.experiments.stone2017_path_integration.obstructed_trips import (
     trips_from_south,
     turned,
 )
+from insectnav.experiments.stone2017_path_integration.straight_flights import fly
 from insectnav.experiments.stone2017_path_integration.trips import (
     HOME_RANGE,
     N_STEPS,
@@ -74,12 +73,9 @@ def simulate(cell: Cell, seed: int) -> Arrays:
     arrays, _ = trips_from_south(cell.n_trials, circuit, noise=NOISE, seed=seed, perturbations=obstacles)
     home = ways_home(arrays, N_STEPS)
     arrival = first_arrival(home, HOME_RANGE)
-    heading, velocity = example_trip(seed)
-    params = TrialParams(
-        circuit=circuit, motion=MotionParams(), n_inbound=N_STEPS, noise=NOISE, seed=seed,
-        perturbations=around(obstacles, velocity),
-    )  # fmt: skip
-    example = simulate_trials(heading, velocity, [0], params)
+    route = example_trip(seed)
+    in_the_way = around(obstacles, route[1])
+    example = fly(route, circuit, n_inbound=N_STEPS, noise=NOISE, seed=seed, perturbations=in_the_way)
     return {
         **home_arrays(arrays, home, arrival),
         "searched_at": (("trial",), _distance_after(home, arrival), {"units": "steps"}),

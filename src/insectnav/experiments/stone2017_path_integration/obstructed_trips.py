@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.agents.motion import MotionParams
 from insectnav.agents.perturbations import Circle, Wall
 from insectnav.agents.routes import RouteParams, route_arrays
-from insectnav.agents.simulation import TrialArrays, TrialParams, simulate_trials
+from insectnav.agents.simulation import TrialArrays
 from insectnav.angles import bearing, wrap
 from insectnav.central_complex import CircuitParams
 from insectnav.experiments.figures import COLOURS
+from insectnav.experiments.stone2017_path_integration.straight_flights import fly
 from insectnav.experiments.stone2017_path_integration.trips import HOME_RANGE, N_STEPS
 from insectnav.metrics.path_integration import summary
 from insectnav.metrics.search import NEVER
@@ -67,17 +67,9 @@ def trips_from_south(
     """
     heading, velocity = route_arrays(n_trials, N_STEPS, RouteParams(), seed, "float64")
     by = wrap(np.pi - bearing(velocity.sum(axis=1)))
-    params = TrialParams(
-        circuit=circuit,
-        motion=MotionParams(),
-        n_inbound=n_inbound,
-        noise=noise,
-        seed=seed,
-        perturbations=perturbations,
-    )
     # The compass is even all round to within its eight columns, so that turning a route changes little else.
-    heading, velocity = wrap(heading + by[:, None]).astype("float32"), turned(velocity, by).astype("float32")
-    return simulate_trials(heading, velocity, np.arange(n_trials), params), by
+    route = wrap(heading + by[:, None]).astype("float32"), turned(velocity, by).astype("float32")
+    return fly(route, circuit, n_inbound=n_inbound, noise=noise, seed=seed, perturbations=perturbations), by
 
 
 def way_walked(path: np.ndarray, last_step: np.ndarray) -> np.ndarray:
