@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge
+from insectnav.experiments.published import Published, Verdict, judge, surplus, with_error
 from insectnav.experiments.stone2016_places.frames import FULL_SIZE, Section, keep, sections
 from insectnav.experiments.stone2016_places.panels import draw_correspondence, draw_curve, draw_frame
 from insectnav.experiments.stone2016_places.passages import SECONDS_APART, SITE_SEEDS, drawn_as, ground_of
@@ -32,11 +32,9 @@ from insectnav.experiments.stone2016_places.recognition import (
     in_sequences,
     passage_pair,
     right_by_turn,
-    surplus,
     truth_between,
     turned_apart,
     varied,
-    with_error,
 )
 from insectnav.experiments.stone2016_places.sites import BMX, FOREST_END, GARDENS_END, SITES, YARD, Ground
 from insectnav.matching.chow_liu import chow_liu_tree

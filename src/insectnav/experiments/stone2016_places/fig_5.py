@@ -11,7 +11,7 @@ import numpy as np
 
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge
+from insectnav.experiments.published import Published, Verdict, judge, surplus, with_error
 from insectnav.experiments.stone2016_places.frames import FULL_SIZE, Section, keep, sections
 from insectnav.experiments.stone2016_places.panels import draw_correspondence, draw_curve, draw_frame
 from insectnav.experiments.stone2016_places.passages import (
@@ -38,10 +38,8 @@ from insectnav.experiments.stone2016_places.recognition import (
     in_sequences,
     passage_arrays,
     passage_pair,
-    surplus,
     truth_between,
     varied,
-    with_error,
 )
 from insectnav.experiments.stone2016_places.sites import CITY
 

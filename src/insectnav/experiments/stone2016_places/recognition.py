@@ -220,14 +220,3 @@ def right_by_turn(answer: Recognised, turned: Floats) -> tuple[float, float]:
     low, high = np.quantile(turned[known], [1 / 3, 2 / 3])
     thirds = known & (turned <= low), known & (turned >= high)
     return tuple(100.0 * float(answer.is_right[third].mean()) for third in thirds)  # type: ignore[return-value]
-
-
-def with_error(row: Mapping[str, Any], finding: str) -> tuple[float, float]:
-    """A finding in a row of a table, and its standard error."""
-    return float(row[finding]), float(row[f"{finding}_error"])
-
-
-def surplus(row: Mapping[str, Any], other: Mapping[str, Any], finding: str) -> tuple[float, float]:
-    """How much a finding in a row exceeds that in another, and the standard error."""
-    (one, error), (two, other_error) = with_error(row, finding), with_error(other, finding)
-    return one - two, float(np.hypot(error, other_error))
