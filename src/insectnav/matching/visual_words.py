@@ -201,7 +201,7 @@ def _group(features: Sequence[Reals], n_words: int, seed: int, slip: str) -> Rea
             f"as words: {slip}"
         )
     from sklearn.cluster import KMeans
-    from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
+    from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
         grouping = KMeans(n_clusters=n_words, n_init=1, max_iter=MAX_STEPS, random_state=seed)
