@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError, check_choice
 from insectnav.lanes import LANES
-from insectnav.matching.blocks import run_blocks
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 METRICS = ("cosine", "euclidean", "absolute", "hamming", "openseqslam-v1")

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_count
-from insectnav.matching.blocks import run_blocks
 from insectnav.matching.difference import checked_vectors, unit_vectors
 from insectnav.matching.place_arrays import PlaceArrays
 from insectnav.matching.place_store import Arrays, DamagedError, arrays_digest, read_arrays
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]

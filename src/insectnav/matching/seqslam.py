@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError, as_numbers, check_choice, check_count, check_range, check_shape, counted
-from insectnav.matching.blocks import run_blocks
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
