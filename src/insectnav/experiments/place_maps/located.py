@@ -292,7 +292,7 @@ def _column(rows: list[dict[str, str]], name: str, shown: str) -> Reals:
 
 
 def write_rows(file: Any, rows: Sequence[dict[str, Any]]) -> None:
-    """Rows of `Located.rows` as CSV to an open file; numbers with nine significant digits, NaN as an empty cell."""
+    """Rows of `Located.rows` as CSV to an open file; numbers with all digits they have, NaN as an empty cell."""
     names = list(rows[0]) if rows else list(MATCH_COLUMNS)
     writer = csv.writer(file)
     writer.writerow(names)
@@ -302,7 +302,7 @@ def write_rows(file: Any, rows: Sequence[dict[str, Any]]) -> None:
 
 def _cell(value: Any) -> Any:
     if isinstance(value, float):
-        return f"{value:.9g}" if np.isfinite(value) else ""
+        return repr(float(value)).removesuffix(".0") if np.isfinite(value) else ""
     return value
 
 
