@@ -93,11 +93,13 @@ def build(
         except InputError:
             if run.is_new:  # nothing half-written is left behind
                 shutil.rmtree(path, ignore_errors=True)
+            elif not n_done and PlaceMap.open(path).n_places == n_before:  # nothing that another run could go on with
+                (path / UNFINISHED).unlink(missing_ok=True)
             raise
+        result = PlaceMap.open(path)
+        if params.freezes and not result.is_frozen:
+            result.freeze()
         (path / UNFINISHED).unlink(missing_ok=True)
-    result = PlaceMap.open(path)
-    if params.freezes:
-        result.freeze()
     notes = [*given.notes, *more, *remarks.sentences(describe.used_metric)]
     seconds = time.perf_counter() - started
     done = {"map": str(folder), "frames_from_earlier_run": n_done, "seconds": seconds}
@@ -221,7 +223,10 @@ def _existing(path: Path, adds: bool) -> PlaceMap | None:
                 f"{quoted(path, 200)} is a map whose building was interrupted, expected --add to go on with it"
             )
         raise InputError(f"{quoted(path, 200)} exists, expected a new name, or --add to add another route to a map")
-    return PlaceMap.open(path)
+    place_map = PlaceMap.open(path)
+    if place_map.is_frozen and not (path / UNFINISHED).exists():
+        raise InputError(f"the map {quoted(path, 200)} is frozen, expected one that can be added to")
+    return place_map
 
 
 def _record(places: Sequence[str], params: FrameParams) -> dict[str, Any]:
