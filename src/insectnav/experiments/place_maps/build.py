@@ -91,10 +91,7 @@ def build(
             if not n_done:
                 remarks.check_any()
         except InputError:
-            if run.is_new:  # nothing half-written is left behind
-                shutil.rmtree(path, ignore_errors=True)
-            elif not n_done and PlaceMap.open(path).n_places == n_before:  # nothing that another run could go on with
-                (path / UNFINISHED).unlink(missing_ok=True)
+            run.take_back(n_done)
             raise
         result = PlaceMap.open(path)
         if params.freezes and not result.is_frozen:
@@ -196,6 +193,13 @@ class _Run:
         if self.pictures:
             keep_thumbnails(self.path, n_before, [one.picture for one in batch])
         return place_map
+
+    def take_back(self, n_done: int) -> None:
+        """Leave nothing half-written behind, nor a record of a route of which there is nothing to go on with."""
+        if self.is_new:
+            shutil.rmtree(self.path, ignore_errors=True)
+        elif self.path.exists() and not n_done and PlaceMap.open(self.path).n_places == self.first:
+            (self.path / UNFINISHED).unlink(missing_ok=True)
 
     def _about(self, batch: list[Described]) -> MapAbout:
         sizes = [len(one.features) for one in batch if one.features is not None]
