@@ -246,7 +246,7 @@ class PlaceMap:
             self.about.check_same(about, "the queries")
         landscape = self._landscape()
         queries = checked_queries(landscape, descriptors)
-        check_length(queries, params)
+        check_length(queries, np.asarray(landscape.places.routes), params)
         if cluster is not None:
             if search == "index" or workers is not None:
                 raise InputError("a cluster searches a map without its index, with workers of its own: give it alone")

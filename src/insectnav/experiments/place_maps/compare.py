@@ -13,6 +13,7 @@ from insectnav.experiments.place_maps.describe import COMPARED, ROTATED, TURNED,
 from insectnav.experiments.place_maps.view_cameras import grid, grid_resampler
 from insectnav.matching.compass import TurnMatrix, turn_matrix, turns_of_matches
 from insectnav.matching.difference import difference_matrix, prepare_references
+from insectnav.matching.place_search import check_length
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.rotation import build_rotation_index
 from insectnav.matching.seqslam import Matches, SeqSlamParams, enhance_contrast, matches_from_lines
@@ -129,11 +130,7 @@ def _turned(
 def _sequences(difference: Reals, routes: NDArray[np.int64], params: SeqSlamParams, workers: int | None) -> Matches:
     """Matches of sequences as `seqslam` gives them, with lines that stay on one route of several."""
     n_queries = difference.shape[1]
-    if n_queries < params.n_steps + 1:
-        raise InputError(
-            f"there are {n_queries} queries, expected at least {params.n_steps + 1} for sequences of "
-            f"{params.sequence_length} steps: fewer frames than a sequence?"
-        )
+    check_length(difference.T, routes, params)
     parts = [_lines(difference[routes == route], params, workers) for route in np.unique(routes)]
     sums, speeds = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
     n_seen = np.convolve(~np.isnan(difference).all(axis=0), np.ones(params.n_steps + 1, np.int64), "valid")
