@@ -22,6 +22,14 @@ def test_matches_that_are_not_judged_do_not_look_wrong_in_the_matrix():
     assert colours == {".": to_hex("white"), "x": to_hex(COLOURS["red"]), "+": to_hex("white")}
 
 
+def test_the_truth_does_not_run_from_one_route_into_another():
+    truth = from_pairs(REFERENCE, {0: 0, 1: 6, 2: 2, 3: 3}, 1.0, "by hand", 10)
+    found = located(REFERENCE, SCORE, truth, place_routes=np.arange(10) // 5)
+    figure = draw_matches(found, np.zeros((10, 4)), np.arange(10), np.arange(4))
+    line = next(line for line in figure.axes[0].lines if line.get_label() == "truth")
+    np.testing.assert_array_equal(line.get_ydata(), [0, np.nan, 6, np.nan, 2, 3])
+
+
 def test_errors_that_are_not_drawn_do_not_make_room_for_themselves():
     places = np.stack([100.0 * np.arange(10), np.zeros(10), np.zeros(10)], axis=1)
     queries = places[[0, 1, 9, 9]] + (1.0, 0.0, 0.0)

@@ -76,9 +76,7 @@ def draw_matches(found: Located, difference: Reals, places: Integers, queries: I
 def _draw_correspondences(axes: Axes, found: Located) -> None:
     query = np.arange(len(found.reference))
     if found.truth is not None:
-        axes.plot(
-            query, found.truth.reference, color=COLOURS["black"], linewidth=0.7, alpha=0.6, label="truth", zorder=1
-        )
+        axes.plot(*_truth_by_route(found), color=COLOURS["black"], linewidth=0.7, alpha=0.6, label="truth", zorder=1)
     for word, which, colour, marker in match_kinds(found):
         axes.plot(
             query[which], found.reference[which], marker, color=colour, markersize=3.0 if marker == "." else 3.5,
@@ -89,7 +87,17 @@ def _draw_correspondences(axes: Axes, found: Located) -> None:
     axes.set(
         ylabel="place in the map", xlim=(-0.5, len(query) - 0.5), ylim=(-0.5, max(1, len(found.place_names)) - 0.5)
     )
-    _legend(axes, loc="upper left", borderaxespad=0.2, handletextpad=0.4)
+    _legend(axes, loc="best", borderaxespad=0.2, handletextpad=0.4)
+
+
+def _truth_by_route(found: Located) -> tuple[Reals, Reals]:
+    """Queries and their true places, with a gap where the truth goes on along another route."""
+    if found.truth is None:
+        return np.empty(0), np.empty(0)
+    reference = found.truth.reference
+    places = np.clip(np.nan_to_num(reference), 0, len(found.place_routes) - 1).astype(np.int64)
+    seams = np.flatnonzero(np.diff(found.place_routes[places])) + 1
+    return np.insert(np.arange(len(reference), dtype=float), seams, np.nan), np.insert(reference, seams, np.nan)
 
 
 def _legend(axes: Axes, **how: Any) -> None:
@@ -235,7 +243,8 @@ def _draw_error_over_queries(axes: Axes, found: Located) -> None:
     axes.set(xlabel="query", ylabel=f"error ({found.truth.unit})", xlim=(-0.5, len(query) - 0.5))
     largest = float(np.nanmax(found.truth.error[found.is_kept], initial=0.0))  # of what is drawn
     highest = max(1.15 * found.truth.tolerance, 1.05 * largest)
-    axes.set_ylim(0.0, highest if 0.0 < highest < np.inf else None)
+    if 0.0 < highest < np.inf:
+        axes.set_ylim(-0.03 * highest, highest)  # marks at 0 are seen whole
 
 
 def _draw_angles(axes: Axes, found: Located) -> None:
@@ -252,7 +261,7 @@ def _draw_angles(axes: Axes, found: Located) -> None:
             axes.plot(query, values, marker, color=COLOURS[colour], markersize=3, markeredgewidth=0.6, label=name)
     axes.axhline(0.0, color=COLOURS["grey"], linewidth=0.5, zorder=0)
     axes.set(xlabel="query", ylabel="angle (deg)", xlim=(-0.5, len(query) - 0.5))
-    _legend(axes, loc="upper right", ncols=3)
+    _legend(axes, loc="best", ncols=3)
 
 
 def _draw_errors(axes: Axes, found: Located) -> None:
