@@ -118,3 +118,21 @@ def test_a_match_is_not_unique_where_every_place_counts_as_the_same(run, walk: P
     located = ("map", "locate", "route", "winter", "--sequence-length", "1", "--unique-window", "1000")
     found = strict(run(*located, "--out", "m.csv", "--json").out)
     assert {row["score"] for row in found["matches"]} == {1.0}
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["build", "LONG", "m"],
+        ["build", "summer", "LONG"],
+        ["build", "summer", "m", "--positions", "LONG"],
+        ["build", "summer", "m", "--times", "LONG"],
+        ["locate", "LONG", "summer"],
+        ["evaluate", "LONG", "--same-index"],
+        ["info", "LONG"],
+    ],
+)
+def test_names_that_no_disk_takes_are_refused(run, walk: Path, arguments: list[str]):
+    done = run("map", *(word.replace("LONG", "a" * 300) for word in arguments))
+    assert_refused(done, "File name too long")
+    assert not (walk / "m").exists()
