@@ -91,7 +91,7 @@ def build(
             if not n_done:
                 remarks.check_any()
         except InputError:
-            run.take_back(n_done)
+            run.take_back()
             raise
         result = PlaceMap.open(path)
         if params.freezes and not result.is_frozen:
@@ -149,6 +149,7 @@ class _Run:
     first: int  # place of the first frame of this route
     held: ExitStack  # lets go of the map at the end
     is_new: bool = False
+    has_record: bool = False  # whether this run, not another, said what is unfinished
 
     def add_all(
         self,
@@ -181,6 +182,7 @@ class _Run:
             self.is_new = True
         if n_done == 0:
             _write_record(self.path, self.record | {"first_place": self.first})
+            self.has_record = True
         about, n_before = place_map.about, place_map.n_places
         about.check_same(self._about(batch), "the frames")
         place_map.add(
@@ -194,11 +196,11 @@ class _Run:
             keep_thumbnails(self.path, n_before, [one.picture for one in batch])
         return place_map
 
-    def take_back(self, n_done: int) -> None:
+    def take_back(self) -> None:
         """Leave nothing half-written behind, nor a record of a route of which there is nothing to go on with."""
         if self.is_new:
             shutil.rmtree(self.path, ignore_errors=True)
-        elif self.path.exists() and not n_done and PlaceMap.open(self.path).n_places == self.first:
+        elif self.has_record and PlaceMap.open(self.path).n_places == self.first:
             (self.path / UNFINISHED).unlink(missing_ok=True)
 
     def _about(self, batch: list[Described]) -> MapAbout:
