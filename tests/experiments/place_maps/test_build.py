@@ -68,6 +68,16 @@ def test_two_processes_do_not_add_at_once(summer: Path, tmp_path: Path):
     assert PlaceMap.open(tmp_path / "m").n_places == 30
 
 
+def test_a_route_whose_last_batch_is_missing_keeps_the_frames_before(summer: Path, tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(building, "BATCH", 8)
+    for k in range(24, 30):  # the fourth batch
+        spoil(summer / f"frame{k}.png")
+    result = build([str(summer)], tmp_path / "m", BuildParams())
+    assert (result["places"], result["missing"]) == (30, 6)
+    descriptors = PlaceMap.open(tmp_path / "m").descriptors
+    assert_array_equal(np.flatnonzero(np.isnan(descriptors).all(axis=1)), np.arange(24, 30))
+
+
 @pytest.mark.parametrize("freezes", [False, True])
 def test_what_cannot_be_added_leaves_the_map_as_it_was(freezes: bool, tmp_path: Path):
     rng = np.random.default_rng(0)
