@@ -120,6 +120,15 @@ def test_a_match_is_not_unique_where_every_place_counts_as_the_same(run, walk: P
     assert {row["score"] for row in found["matches"]} == {1.0}
 
 
+def test_a_table_is_not_judged_by_another_map(run, walk: Path):
+    for folder, step in (("one", "1"), ("other", "2")):
+        assert run("map", "build", "summer", folder, "--step", step).code == 0
+    assert run("map", "locate", "other", "winter", "--step", "2", "--out", "m.csv").code == 0
+    assert run("map", "evaluate", "m.csv", "--same-index", "--map", "other").code == 0
+    words = "is called 'frame10' in the table and 'frame5' in the map"
+    assert_refused(run("map", "evaluate", "m.csv", "--same-index", "--map", "one"), words)
+
+
 @pytest.mark.parametrize(
     "arguments",
     [

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from insectnav.checks import InputError
+from insectnav.checks import InputError, quoted
 from insectnav.datasets.positions import positions_of_frames, read_positions
 from insectnav.experiments.place_maps.locate import LocateParams, Search, truth_in_frames
 from insectnav.experiments.place_maps.located import Located, numbers, read_matches
@@ -58,6 +59,7 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
                 f"the table has matches up to place {len(found.place_names) - 1}, expected a map with as many: "
                 "another map?"
             )
+        _check_names(found, opened.names)
         found = replace(
             found,
             place_names=opened.names,
@@ -78,6 +80,17 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
         "notes": notes,
         "curve": _curve(found),
     }
+
+
+def _check_names(found: Located, names: Sequence[str]) -> None:
+    """Refuse a map whose places are called otherwise than in the table, where that has names."""
+    for place in np.unique(found.reference[found.is_matched]).tolist():
+        said, there = found.place_names[place], names[place]
+        if said and said != there:
+            raise InputError(
+                f"place {place} is called {quoted(said)} in the table and {quoted(there)} in the map, expected the map "
+                "that the frames were located in"
+            )
 
 
 def _truth(found: Located, params: LocateParams, about: MapAbout | None) -> Truth:
