@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from command_line import assert_refused, in_process, strict, table
-from place_scenes import N_FRAMES, two_seasons
+from place_scenes import N_FRAMES, two_seasons, views, write_pictures
 
 MATCHES = "query,name,reference,reference_name,route,score,has_sequence\n"
 
@@ -127,6 +127,16 @@ def test_a_table_is_not_judged_by_another_map(run, walk: Path):
     assert run("map", "evaluate", "m.csv", "--same-index", "--map", "other").code == 0
     words = "is called 'frame10' in the table and 'frame5' in the map"
     assert_refused(run("map", "evaluate", "m.csv", "--same-index", "--map", "one"), words)
+
+
+def test_a_spreadsheet_may_drop_zeros_of_names(run, walk: Path):
+    write_pictures(walk / "numbered", views(), "{:05d}.png")
+    assert run("map", "build", "numbered", "m").code == 0
+    rows = "".join(f"{k},x,{k},{k},0,0.5,1\n" for k in range(20))
+    (walk / "m.csv").write_text(MATCHES + rows)
+    assert run("map", "evaluate", "m.csv", "--same-index", "--map", "m").code == 0
+    (walk / "m.csv").write_text(MATCHES + rows.replace(",7,7,", ",7,8,"))
+    assert_refused(run("map", "evaluate", "m.csv", "--same-index", "--map", "m"), "place 7 is called '8'")
 
 
 @pytest.mark.parametrize(

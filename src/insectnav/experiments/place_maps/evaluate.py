@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -86,11 +88,18 @@ def _check_names(found: Located, names: Sequence[str]) -> None:
     """Refuse a map whose places are called otherwise than in the table, where that has names."""
     for place in np.unique(found.reference[found.is_matched]).tolist():
         said, there = found.place_names[place], names[place]
-        if said and said != there:
+        if said and not _is_same_name(said, there):
             raise InputError(
                 f"place {place} is called {quoted(said)} in the table and {quoted(there)} in the map, expected the map "
                 "that the frames were located in"
             )
+
+
+def _is_same_name(said: str, there: str) -> bool:
+    """Whether names are the same; of numbers a spreadsheet may have dropped zeros, or digits after the sixth."""
+    with suppress(ValueError):
+        return said == there or math.isclose(float(said), float(there), rel_tol=1e-5)
+    return False
 
 
 def _truth(found: Located, params: LocateParams, about: MapAbout | None) -> Truth:
