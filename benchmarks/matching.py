@@ -4,7 +4,7 @@ Images of 64 × 32 pixels are made up: a route and the same route in other light
 The plain way is tests/seqslam_oracle.py, one frame, place and speed at a time, run once and in parts: each fast
 measurement stands beside a part of it, and what is quoted is the median of the ratios of the whole. On a machine that
 others use, time by the clock holds threads that waited: seconds of processors, all threads together, are given too. Run
-it by ``make bench``; the library for matrix products takes as many threads as it likes.
+it by ``make bench``.
 """
 
 import resource

@@ -11,7 +11,8 @@ MAP: Argument = ("map_folder", str, "Folder of the map.", "MAP")
 DESCRIBE: tuple[Option, ...] = (
     ("--descriptor", TEXT, "patch-normalised, patch-normalised-v1, retinotopic; with a camera that sees all round also "
      "turned-views, rotations, binary-sky, spherical-harmonics, zernike, sky-contour, frequency-strip, "
-     "zernike-orthonormal, zernike-disk; of features of your own any word", "patch-normalised, or as in the map", "NAME"),
+     "zernike-orthonormal, zernike-disk; of features of your own any word",
+     "patch-normalised, or as in the map", "NAME"),
     ("--camera", TEXT, "ahead; panorama or panorama:LOW,HIGH [deg]; fisheye or fisheye:FIELD [deg], looking up; "
      "mirror:RADIUS of the horizon [px]", "ahead, or as in the map", None),
     ("--sky", TEXT, "none: grey; mask: pictures are masks of the sky; or a method of `insectnav segment`",

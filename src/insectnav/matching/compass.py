@@ -160,7 +160,7 @@ def _best_disk_turns(
         turned = _packed(np.take(pixels, _turned_pixels(right, up, angle, size), axis=1))
 
         def count(first: int, last: int, turned: NDArray[np.uint64] = turned) -> None:
-            count_unequal_bits(turned, words, first, last, n_inside, share)
+            count_unequal_bits(turned[first:last], words, n_inside, share[first:last])
 
         run_blocks(count, len(query), 16, workers)
         is_better = share < difference

@@ -13,6 +13,8 @@ from insectnav.matching.blocks import run_blocks
 Reals = NDArray[np.floating[Any]]
 METRICS = ("cosine", "euclidean", "absolute", "hamming", "openseqslam-v1")
 QUERIES_PER_BLOCK = 64
+BLOCKS_LAID = 8  # of 16 references each, that one thread brings into form at a time
+NEAR_SINGLE, NEAR_DOUBLE = 2.0**-6, 2.0**-20  # cosine differences below which 1 − a·b has lost too many digits
 FEW_FEATURES = 512  # to which sums are in double precision: short vectors are often nearly the same
 
 
@@ -49,7 +51,9 @@ def difference_matrix(
     -----
     Each difference is summed feature by feature, in double precision up to 512 features, above in single with the sums
     of 512 added up in double: equal vectors differ by 0, near ones keep their digits, and a difference does not depend
-    on what else is compared. "euclidean" takes the mean of the references off first where it sums in single precision.
+    on what else is compared. "cosine" subtracts a·b from 1, good to about 2e-7 in single precision; of nearer vectors,
+    below 2⁻⁶ in single and 2⁻²⁰ in double, it sums ``|a − b|² / 2`` of unit vectors, which is the same and keeps its
+    digits. "euclidean" takes the mean of the references off first where it sums in single precision.
     """
     return prepare_references(references, metric).differences(queries, workers=workers)
 
@@ -90,11 +94,18 @@ class References:
                 f"references have {self.n_features} features and queries {vectors.shape[1]}, expected as many: "
                 "the same descriptor?"
             )
+        if self.vectors.dtype == np.uint8 and vectors.dtype != np.uint8:
+            raise InputError(
+                f"queries hold {vectors.dtype.name} values, expected bytes as the references: one option apart?"
+            )
         out = np.empty((len(vectors), len(self.is_missing)), np.float32)
-        query = _queries_in_form(self, vectors)
-        run_blocks(lambda *block: _compare(self, query, out, *block), len(vectors), QUERIES_PER_BLOCK, workers)
+
+        def compare(first: int, last: int) -> None:
+            _compare(self, vectors[first:last], out[first:last])
+
+        run_blocks(compare, len(vectors), QUERIES_PER_BLOCK, workers)
         if self.metric == "cosine":
-            out[~query.any(axis=1)] = 1.0
+            out[~vectors.any(axis=1)] = 1.0
             out[:, ~self.has_length] = 1.0
         out[is_missing] = np.nan
         out[:, self.is_missing] = np.nan
@@ -123,7 +134,7 @@ def prepare_references(references: ArrayLike, metric: str = "cosine", *, common:
     elif vectors.dtype == np.uint8 and metric in ("absolute", "openseqslam-v1"):
         prepared = vectors
     else:
-        prepared = _beside_each_other(_scaled(vectors, metric, common))
+        prepared = _side_by_side(vectors, metric, common)
     return References(
         vectors=prepared,
         is_missing=is_missing,
@@ -190,27 +201,21 @@ def pack_bits(name: str, vectors: NDArray[Any]) -> NDArray[np.uint64]:
     return words.view(np.uint64)
 
 
-def _queries_in_form(references: References, vectors: NDArray[Any]) -> NDArray[Any]:
-    """Queries (frame, feature) in the form that they are compared in."""
-    if references.metric == "hamming":
-        return pack_bits("queries", vectors)
-    if references.vectors.dtype == np.uint8:
-        if vectors.dtype != np.uint8:
-            raise InputError(
-                f"queries hold {vectors.dtype.name} values, expected bytes as the references: one option apart?"
-            )
-        return vectors
-    return np.ascontiguousarray(_scaled(vectors, references.metric, references.common), references.vectors.dtype)
+def _precision(vectors: NDArray[Any], metric: str) -> np.dtype[Any]:
+    """In which differences from these references are summed."""
+    is_single = vectors.dtype == np.float32
+    if metric in ("cosine", "euclidean"):
+        is_single = vectors.shape[1] > FEW_FEATURES
+    return np.dtype(np.float32 if is_single else np.float64)
 
 
-def _scaled(vectors: NDArray[Any], metric: str, common: Common) -> Reals:
-    """Vectors less the middle or over their lengths, in the precision in which differences are summed."""
-    is_short = vectors.shape[1] <= FEW_FEATURES
+def _scaled(vectors: NDArray[Any], metric: str, common: Common, dtype: np.dtype[Any]) -> Reals:
+    """Vectors over their lengths or less the middle, in the precision in which differences are summed."""
     if metric == "cosine":
-        return unit_vectors(vectors, np.dtype(np.float64 if is_short else np.float32))
+        return unit_vectors(vectors, dtype)
     if metric == "euclidean":
-        return vectors.astype(np.float64) if is_short else (vectors - common.middle).astype(np.float32)
-    return vectors.astype(np.float32 if vectors.dtype == np.float32 else np.float64)
+        vectors = vectors - common.middle
+    return vectors.astype(dtype, copy=False)
 
 
 def unit_vectors(vectors: NDArray[Any], dtype: np.dtype[Any]) -> Reals:
@@ -230,30 +235,40 @@ def _lengths(vectors: NDArray[Any]) -> Reals:
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors, dtype=np.float64)))
 
 
-def _beside_each_other(vectors: Reals) -> Reals:
-    """Sixteen vectors side by side, (block, feature, lane), as compiled code takes them; the last block with zeros."""
+def _side_by_side(vectors: NDArray[Any], metric: str, common: Common) -> Reals:
+    """Scaled vectors, sixteen side by side: (block, feature, lane), as compiled code takes them; zeros at the end."""
     n, n_features = vectors.shape
-    n_whole = n // LANES
-    blocks = np.zeros((-(-n // LANES), n_features, LANES), vectors.dtype)
-    blocks[:n_whole] = vectors[: n_whole * LANES].reshape(n_whole, LANES, n_features).transpose(0, 2, 1)
-    if n % LANES:
-        blocks[-1, :, : n % LANES] = vectors[n_whole * LANES :].T
+    blocks = np.zeros((-(-n // LANES), n_features, LANES), _precision(vectors, metric))
+
+    def lay(first: int, last: int) -> None:
+        scaled = _scaled(vectors[first * LANES : last * LANES], metric, common, blocks.dtype)
+        n_whole = len(scaled) // LANES
+        whole = scaled[: n_whole * LANES].reshape(n_whole, LANES, n_features)
+        blocks[first : first + n_whole] = whole.transpose(0, 2, 1)
+        if len(scaled) % LANES:
+            blocks[-1, :, : len(scaled) % LANES] = scaled[n_whole * LANES :].T
+
+    run_blocks(lay, len(blocks), BLOCKS_LAID)
     return blocks
 
 
-def _compare(references: References, query: NDArray[Any], out: Reals, first: int, last: int) -> None:
-    """Fill differences of the queries from first up to last, rows of (query, reference)."""
+def _compare(references: References, queries: NDArray[Any], out: Reals) -> None:
+    """Fill ``out`` (query, reference) with the differences of some queries."""
     from insectnav.matching import difference_kernel
 
-    reference, metric = references.vectors, references.metric
-    scale = float(references.common.n_references if metric == "openseqslam-v1" else references.n_features)
+    reference, metric, common = references.vectors, references.metric, references.common
+    scale = float(common.n_references if metric == "openseqslam-v1" else references.n_features)
     if metric == "hamming":
-        difference_kernel.count_unequal_bits(query, reference, first, last, scale, out)
-    elif reference.dtype == np.uint8:
-        difference_kernel.sum_byte_differences(query, reference, first, last, scale, out)
-    elif metric in ("absolute", "openseqslam-v1"):
-        difference_kernel.sum_differences(query, reference, first, last, False, False, scale, out)
+        difference_kernel.count_unequal_bits(pack_bits("queries", queries), reference, scale, out)
+        return
+    if reference.dtype == np.uint8:
+        difference_kernel.sum_byte_differences(queries, reference, scale, out)
+        return
+    scaled = np.ascontiguousarray(_scaled(queries, metric, common, reference.dtype))
+    if metric in ("absolute", "openseqslam-v1"):
+        difference_kernel.sum_differences(scaled, reference, False, False, scale, out)
+    elif metric == "euclidean":
+        difference_kernel.sum_differences(scaled, reference, True, True, 1.0, out)
     else:
-        is_cosine = metric == "cosine"  # |a − b|² = 2 − 2 a·b of unit vectors
-        scale = 2.0 if is_cosine else 1.0
-        difference_kernel.sum_differences(query, reference, first, last, True, not is_cosine, scale, out)
+        near = NEAR_DOUBLE if reference.dtype == np.float64 else NEAR_SINGLE
+        difference_kernel.subtract_cosines(scaled, reference, near, out)

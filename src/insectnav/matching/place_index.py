@@ -118,8 +118,7 @@ def build_index(places: PlaceArrays, metric: str) -> tuple[IndexSizes, Arrays]:
     few = known[:: max(1, len(known) // (PLACES_PER_CENTRE * sizes.n_lists))]
     with _one_thread() as faiss:
         quantiser, index = _empty_index(faiss, sizes.n_lists, places.n_features)
-        index.cp.seed = SEED
-        index.cp.min_points_per_centroid = 1  # or a small map would be warned of, past all that Python can catch
+        index.cp.seed, index.cp.min_points_per_centroid = SEED, 1  # FAISS would warn of small maps on the terminal
         index.train(index_vectors(places.descriptors(few), metric)[0])
         for first, vectors, missing in _blocks(places, metric):
             index.add_with_ids(vectors[~missing], first + np.flatnonzero(~missing))

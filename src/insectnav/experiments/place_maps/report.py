@@ -16,7 +16,6 @@ import numpy as np
 from insectnav.checks import InputError, quoted
 from insectnav.experiments.figures import save_figure
 from insectnav.experiments.place_maps import figures
-from insectnav.experiments.place_maps.compare import differences
 from insectnav.experiments.place_maps.describe import ROTATED, TURNED
 from insectnav.experiments.place_maps.locate import LocateParams, Search
 from insectnav.experiments.place_maps.located import Located, numbers, write_rows
@@ -42,6 +41,7 @@ PRECISION_CAPTION = [
     ("a", "Precision over recall as ever worse scores are kept; the dot keeps all."),
     ("b", "Scores of right and wrong matches: a robot keeps those below a threshold that parts them."),
 ]
+AFTER_THE_BEST = {TURNED: "after the best turn", ROTATED: "after the best rotation, over what both saw"}
 TABLE, PAGE, SUMMARY, FIGURES = "matches.csv", "page.html", "summary.json", "figures"
 
 
@@ -228,7 +228,7 @@ def _drawn(search: Search, place_map: PlaceMap) -> list[tuple[str, Figure, str, 
     """Name, figure, heading and caption of all that can be drawn."""
     found = search.found
     places, queries = (figures.drawn_numbers(n) for n in (len(found.place_names), len(found.names)))
-    difference = differences(place_map, places, search.features[queries], search.describe)
+    difference = search.differences(place_map, places, queries)
     drawings = [
         ("matches", figures.draw_matches(found, difference, places, queries), "Matches", _match_caption(search)),
         ("precision", figures.draw_precision(found), "Precision and recall", PRECISION_CAPTION),
@@ -244,7 +244,7 @@ def _match_caption(search: Search) -> Caption:
     limit = "; grey dots, above the dashed line, are not kept" if search.found.threshold is not None else ""
     how = describe.used_metric
     if not describe.is_vectors:
-        how = {TURNED: "after the best turn", ROTATED: "without any rotation"}.get(describe.descriptor, how)
+        how = AFTER_THE_BEST.get(describe.descriptor, how)
     return [
         ("a", f"The match of each query in the map, {kinds}{line}."),
         ("b", f"How different each query is from each place ({how}), dark where alike, with the matches in it."),

@@ -109,7 +109,7 @@ def search_in_words(search: Search, by: str) -> str:
         return f"{count} places" + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
 
     around = places(seqslam.unique_window // 2)
-    if search.describe.descriptor == ROTATED and not search.describe.is_vectors:
+    if not seqslam.n_steps and search.describe.descriptor == ROTATED and not search.describe.is_vectors:
         return (
             "frames one by one, after all rotations: the place with the least mean squared difference over what both "
             "saw; the score is its difference over that of the next best place, be it a neighbour"
