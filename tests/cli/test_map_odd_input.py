@@ -43,6 +43,7 @@ def test_a_table_without_any_match_has_no_recall(run, walk: Path):
         ("0,a,inf,p,0,0.1,1", "line 2 of 'm.csv' has the reference inf, expected a whole number from -1"),
         ("0,a,1,p,-3,0.1,1", "line 2 of 'm.csv' has the route -3, expected a whole number from 0"),
         ("0,a,1,p,x,0.1,1", "line 2 of 'm.csv' has the route 'x', expected a number"),
+        ("0,a,1,p,0,,1", "line 2 of 'm.csv' has a match without a score"),
     ],
 )
 def test_a_table_with_odd_places_or_routes_is_refused(run, walk: Path, line: str, words: str):

@@ -233,6 +233,8 @@ def read_matches(path: str | os.PathLike[str]) -> Located:
             f"{shown} does not number its queries 0, 1, 2, …, expected all of them in order: sorted or cut?"
         )
     reference = _whole_numbers(values["reference"], "reference", -1, shown)
+    if (lacks := np.flatnonzero((reference >= 0) & np.isnan(values["score"]))).size:
+        raise InputError(f"line {lacks[0] + 2} of {shown} has a match without a score, expected one for each match")
     routes = _whole_numbers(np.where(reference >= 0, values["route"], 0.0), "route", 0, shown)
     frames = np.where(np.isnan(values["frame"]), values["query"], values["frame"])
     return _without_map(rows, reference, routes, _whole_numbers(frames, "frame", 0, shown), values)
