@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError
-from insectnav.matching.blocks import run_blocks
 from insectnav.matching.difference import (
     FEW_FEATURES,
     Common,
@@ -30,6 +29,7 @@ from insectnav.matching.place_pieces import (
     search_piece,
 )
 from insectnav.matching.seqslam import Matches, SeqSlamParams, matches_from_lines
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 SEQUENCES_PER_BLOCK = 256
