@@ -144,7 +144,7 @@ def test_only_corrupt_pictures_are_refused_and_nothing_is_left(run, walk: Path):
         (["map", "build", "summer", "m", "--time-offset", "nan"], "time-offset is nan, expected"),
         (["map", "build", "summer", "m", "--metric", "hamming"], "expected cosine with patch-normalised"),
         (["map", "build", "summer", "route", "--add", "--descriptor", "retinotopic"], "--descriptor is 'retinotopic'"),
-        (["map", "locate", "nowhere", "winter"], "nowhere"),
+        (["map", "locate", "nowhere", "winter"], "'nowhere' does not exist, expected the folder of a map"),
         (["map", "locate", "summer", "winter"], "summer"),
         (["map", "locate", "route", "winter", "--camera", "panorama"], "--camera is 'panorama', expected 'ahead' as"),
         (["map", "locate", "route", "winter", "--sky", "otsu"], "--sky is 'otsu', expected 'none' as the map"),
@@ -168,7 +168,8 @@ def test_only_corrupt_pictures_are_refused_and_nothing_is_left(run, walk: Path):
         (["map", "evaluate", "route"], "is a map, expected frames after it"),
         (["map", "evaluate", "t.csv", "--same-index"], "lacks the columns query, reference, score"),
         (["map", "evaluate", "gone.csv", "--same-index"], "'gone.csv' does not exist"),
-        (["map", "info", "winter"], "winter"),
+        (["map", "info", "winter"], "'winter' is no map of places: it has no file map.json"),
+        (["map", "info", "rout"], "'rout' does not exist, expected the folder of a map (did you mean 'route'?)"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_done_is_said_in_one_sentence(run, walk: Path, arguments: list[str], words: str):

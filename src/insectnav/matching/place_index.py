@@ -3,7 +3,6 @@
 What is stored are plain arrays, from which the index is put together again: no file of FAISS's own is ever read.
 """
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from insectnav.checks import InputError, check_count
 from insectnav.matching.blocks import run_blocks
 from insectnav.matching.difference import checked_vectors, unit_vectors
 from insectnav.matching.place_arrays import PlaceArrays
-from insectnav.matching.place_store import Arrays, DamagedError, chunk_file, read_arrays
+from insectnav.matching.place_store import Arrays, DamagedError, arrays_digest, read_arrays
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
@@ -158,15 +157,6 @@ def _list(faiss: Any, lists: Any, number: int, n_features: int) -> tuple[Integer
     return places, codes.reshape(n, n_features)
 
 
-def index_digest(folder: Path) -> str:
-    """A number that changes if any of the arrays of an index does."""
-    digest = hashlib.sha256()
-    for name, dimensions in DIMENSIONS.items():
-        with chunk_file(folder / name, len(dimensions)).open("rb") as file:
-            digest.update(hashlib.file_digest(file, "sha256").digest())
-    return digest.hexdigest()
-
-
 class PlaceIndex:
     """An index in memory, put together from its arrays.
 
@@ -237,6 +227,6 @@ def read_index(folder: Path, digest: str, sizes: IndexSizes, n_places: int, n_fe
         and bool(((places >= 0) & (places < n_places)).all())
         and bool(np.isfinite(arrays["centres"]).all() and np.isfinite(arrays["scale"]).all())
     )
-    if not is_right or index_digest(folder) != digest:
+    if not is_right or arrays_digest(folder, DIMENSIONS) != digest:
         raise DamagedError("its arrays are not as they were written")
     return arrays

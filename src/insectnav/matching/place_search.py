@@ -165,15 +165,6 @@ def checked_queries(landscape: Landscape, descriptors: ArrayLike) -> NDArray[Any
     return queries
 
 
-def check_length(queries: NDArray[Any], params: SeqSlamParams) -> None:
-    """Refuse fewer queries than a sequence is long."""
-    if len(queries) < params.n_steps + 1:
-        raise InputError(
-            f"there are {len(queries)} queries, expected at least {params.n_steps + 1} for sequences of "
-            f"{params.sequence_length} steps: fewer frames than a sequence?"
-        )
-
-
 def check_routes(routes: NDArray[np.int64], params: SeqSlamParams) -> None:
     """Refuse places (place,) of which no route holds even the shortest line."""
     longest, shortest = int(np.unique(routes, return_counts=True)[1].max()), int(params.offsets[:, -1].min()) + 1

@@ -84,11 +84,7 @@ def compare(
         raise InputError(
             f"--search index is given with {describe.descriptor}, expected exact or auto: all are compared"
         )
-    if len(features) < params.n_steps + 1:
-        raise InputError(
-            f"there are {len(features)} queries, expected at least {params.n_steps + 1} for sequences of "
-            f"{params.sequence_length} steps: fewer frames than a sequence?"
-        )
+    params.check_length(len(features), "query", "queries")
     if describe.descriptor == ROTATED:
         return _rotated(place_map, features, describe, params, workers)
     return _turned(place_map, features, describe, params, workers)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.checks import InputError, check_range, quoted
+from insectnav.checks import InputError, check_range, counted, quoted
 from insectnav.datasets.key_frames import read_key_frames
 from insectnav.experiments.place_maps.compare import Compared, compare
 from insectnav.experiments.place_maps.describe import OF_PICTURES, DescribeParams
@@ -290,12 +290,12 @@ def _warnings(found: Located, is_vectors: bool, about: MapAbout, is_same_index: 
         said.append(slip)
     half = found.half_sequence
     if half:
-        said.append(f"the first and last {half} queries have no match, since a sequence does not reach beyond them")
+        ends = "the first and the last query have" if half == 1 else f"the first and last {half} queries have"
+        said.append(f"{ends} no match, since a sequence does not reach beyond them")
     inner = found.has_sequence & ~found.is_matched
     if inner.any():
-        said.append(
-            f"{int(inner.sum())} more queries have no match: too many frames missing, or nothing tells places apart"
-        )
+        more = counted(int(inner.sum()), "more query has", "more queries have")
+        said.append(f"{more} no match: too many frames missing, or nothing tells places apart")
     return said
 
 

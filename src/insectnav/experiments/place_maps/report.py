@@ -26,6 +26,7 @@ from insectnav.experiments.place_maps.words import numbers_in_words, settings_in
 from insectnav.experiments.results import (
     PROVENANCE,
     check_destination,
+    check_room,
     provenance,
     results_folder,
     to_json,
@@ -113,7 +114,7 @@ class Destinations:
         if folder is None and table is None and page is None:
             folder = usual
         if folder is not None:
-            check_destination(folder)
+            check_destination(folder, "--out-dir")
         return cls(table=table, page=page, folder=folder)
 
     @property
@@ -146,7 +147,7 @@ def leave(
     result = summary(search, params, place_map)
     table = table_text(search.found)
     if places.folder is not None:
-        with results_folder(places.folder) as folder, written_to(places.folder):
+        with results_folder(places.folder, "--out-dir") as folder, written_to(places.folder, "--out-dir"):
             (folder / TABLE).write_text(table, encoding="utf-8", newline="")
             (folder / FIGURES).mkdir()
             page = page_text(search, params, place_map, title, folder / FIGURES)
@@ -163,23 +164,24 @@ def leave(
 
 def _check_new_file(option: str, path: Path) -> None:
     """Refuse a file that is there, unless it was made by the same option, and a place that cannot be written."""
-    shown = quoted(path, 200)
-    if path.is_dir():
-        raise InputError(f"{option} {shown} is a folder, expected the name of a file")
-    if path.exists():
-        raise InputError(f"{option} {shown} exists, expected a new name: remove it first")
-    if not path.absolute().parent.is_dir():
-        raise InputError(f"{option} {shown} is in a folder that does not exist, expected one that does")
+    shown = f"{option} {quoted(path, 200)}"
+    with written_to(path, option):
+        if path.is_dir():
+            raise InputError(f"{shown} is a folder, expected the name of a file")
+        if path.exists():
+            raise InputError(f"{shown} exists, expected a new name: remove it first")
+        if not path.absolute().parent.exists():
+            raise InputError(f"{shown} is in a folder that does not exist, expected one that does")
+        check_room(path.absolute(), shown)
 
 
 def _write_whole(option: str, path: Path, text: str) -> None:
     """A file that appears whole or not at all."""
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    temporary = path.with_name(f".{secrets.token_hex(8)}.part")
     try:
-        temporary.write_text(text, encoding="utf-8", newline="")
-        temporary.replace(path)
-    except OSError as error:
-        raise InputError(f"{option} {quoted(path, 200)} cannot be written ({error.strerror})") from None
+        with written_to(path, option):
+            temporary.write_text(text, encoding="utf-8", newline="")
+            temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
 

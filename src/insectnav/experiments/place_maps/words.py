@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from insectnav.checks import counted
 from insectnav.experiments.place_maps.describe import ROTATED
 from insectnav.experiments.place_maps.locate import LocateParams, Search
 from insectnav.experiments.place_maps.truth import quantity
@@ -106,7 +107,7 @@ def search_in_words(search: Search, by: str) -> str:
     known = steps[np.isfinite(steps)]
 
     def places(count: int) -> str:
-        return f"{count} places" + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
+        return counted(count, "place") + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
 
     around = places(seqslam.unique_window // 2)
     if not seqslam.n_steps and search.describe.descriptor == ROTATED and not search.describe.is_vectors:
@@ -136,10 +137,10 @@ def settings_in_words(search: Search, params: LocateParams, place_map: PlaceMap)
     place_map : PlaceMap
     """
     found = search.found
-    origin, n_routes = place_map.about.origin_deg, int(found.place_routes.max()) + 1
-    routes = "1 route" if n_routes == 1 else f"{n_routes} routes"
+    origin = place_map.about.origin_deg
+    places, routes = counted(place_map.n_places, "place"), counted(int(found.place_routes.max()) + 1, "route")
     rows = [
-        ("Map", f"{place_map.path}, {place_map.n_places} places on {routes}"),
+        ("Map", f"{place_map.path}, {places} on {routes}"),
         *search.describe.in_words(),
         ("Frames taken", params.frames.thinning.in_words),
         ("Matched by", search_in_words(search, params.search)),
