@@ -34,6 +34,12 @@ def test_the_threshold_up_to_which_all_is_right_keeps_just_that():
     assert (kept["precision_kept"], kept["recall_kept"]) == (1.0, all_of_them["recall_at_full_precision"])
 
 
+def test_matches_that_are_dropped_are_not_said_to_be_none_where_nothing_is_known_either():
+    found = numbers(located([0, 1, 2], [0.1, 0.5, 0.9], threshold=0.5))
+    assert tiles(found)[0] == ("2 / 3", "queries with a match that is kept")
+    assert ("Threshold", "0.5", "given") in numbers_in_words(found)
+
+
 def test_rotations_are_not_said_to_have_a_window():
     describe = DescribeParams(descriptor=ROTATED, camera=view_camera("fisheye:180"), sky="mask")
     search = SimpleNamespace(seqslam=SeqSlamParams(sequence_length=1), found=located([0]), describe=describe)

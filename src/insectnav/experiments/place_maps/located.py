@@ -169,6 +169,8 @@ def numbers(found: Located) -> dict[str, Any]:
         "score_median": _median(found.score[found.is_matched]),
         "speed_median": _median(found.speed[found.is_matched]),
     }
+    if found.threshold is not None:
+        result["threshold"] = found.threshold
     truth, curve = found.truth, found.curve()
     if truth is None:
         return result
@@ -194,7 +196,6 @@ def numbers(found: Located) -> dict[str, Any]:
     if found.threshold is not None:
         n_right, n_able = result["kept_right"], result["can_be_matched"]
         result |= {
-            "threshold": found.threshold,
             "precision_kept": n_right / int(kept.sum()) if kept.any() else None,
             "recall_kept": n_right / n_able if n_able else None,
         }
