@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from command_line import assert_refused, in_process, strict, table
-from place_scenes import N_FRAMES, robot_recording, two_seasons, views
+from place_scenes import N_FRAMES, robot_recording, two_seasons, views, write_pictures
 
 MATCHES = "query,name,reference,reference_name,route,score,has_sequence\n"
 
@@ -44,6 +44,7 @@ def test_a_table_without_any_match_has_no_recall(run, walk: Path):
         ("0,a,inf,p,0,0.1,1", "line 2 of 'm.csv' has the reference inf, expected a whole number from -1"),
         ("0,a,1,p,-3,0.1,1", "line 2 of 'm.csv' has the route -3, expected a whole number from 0"),
         ("0,a,1,p,x,0.1,1", "line 2 of 'm.csv' has the route 'x', expected a number"),
+        ("0,a,1,p,0,,1", "line 2 of 'm.csv' has a match without a score"),
     ],
 )
 def test_a_table_with_odd_places_or_routes_is_refused(run, walk: Path, line: str, words: str):
@@ -119,6 +120,43 @@ def test_a_match_is_not_unique_where_every_place_counts_as_the_same(run, walk: P
     located = ("map", "locate", "route", "winter", "--sequence-length", "1", "--unique-window", "1000")
     found = strict(run(*located, "--out", "m.csv", "--json").out)
     assert {row["score"] for row in found["matches"]} == {1.0}
+
+
+def test_a_table_is_not_judged_by_another_map(run, walk: Path):
+    for folder, step in (("one", "1"), ("other", "2")):
+        assert run("map", "build", "summer", folder, "--step", step).code == 0
+    assert run("map", "locate", "other", "winter", "--step", "2", "--out", "m.csv").code == 0
+    assert run("map", "evaluate", "m.csv", "--same-index", "--map", "other").code == 0
+    words = "is called 'frame10' in the table and 'frame5' in the map"
+    assert_refused(run("map", "evaluate", "m.csv", "--same-index", "--map", "one"), words)
+
+
+def test_a_spreadsheet_may_drop_zeros_of_names(run, walk: Path):
+    write_pictures(walk / "numbered", views(), "{:05d}.png")
+    assert run("map", "build", "numbered", "m").code == 0
+    rows = "".join(f"{k},x,{k},{k},0,0.5,1\n" for k in range(20))
+    (walk / "m.csv").write_text(MATCHES + rows)
+    assert run("map", "evaluate", "m.csv", "--same-index", "--map", "m").code == 0
+    (walk / "m.csv").write_text(MATCHES + rows.replace(",7,7,", ",7,8,"))
+    assert_refused(run("map", "evaluate", "m.csv", "--same-index", "--map", "m"), "place 7 is called '8'")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["build", "LONG", "m"],
+        ["build", "summer", "LONG"],
+        ["build", "summer", "m", "--positions", "LONG"],
+        ["build", "summer", "m", "--times", "LONG"],
+        ["locate", "LONG", "summer"],
+        ["evaluate", "LONG", "--same-index"],
+        ["info", "LONG"],
+    ],
+)
+def test_names_that_no_disk_takes_are_refused(run, walk: Path, arguments: list[str]):
+    done = run("map", *(word.replace("LONG", "a" * 300) for word in arguments))
+    assert_refused(done, "File name too long")
+    assert not (walk / "m").exists()
 
 
 def test_a_damaged_picture_of_a_robot_is_a_missing_frame_with_its_name(run, walk: Path):

@@ -243,6 +243,10 @@ def test_bad_input_is_refused_in_a_sentence(tmp_path):
     assert refused(lambda: made.add(single, names=["a"])).startswith("there are 1 names, expected one for each of 3")
     assert refused(lambda: made.add(single, names=["a", 2, "c"])).startswith("name 1 is '2', expected text")
     assert PlaceMap.open(made.path).n_places == before
+    short = PlaceMap.build(tmp_path / "short", ROUTE[:8].astype(np.float32), ABOUT)
+    assert refused(lambda: short.locate(QUERIES)).startswith(
+        "the longest route of the map has 8 places, expected at least 9 for sequences of 10 steps"
+    )
     empty = PlaceMap.create(tmp_path / "empty", ABOUT)
     assert refused(lambda: empty.locate(QUERIES)).endswith("is empty, expected one with places to compare with")
     assert refused(empty.freeze).endswith("is empty, expected one with places, not yet frozen")

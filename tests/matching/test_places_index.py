@@ -192,6 +192,14 @@ def test_an_index_has_the_same_bits_whatever_the_number_of_threads():
     assert made[0] == made[1]
 
 
+def test_a_small_map_is_indexed_without_a_word(tmp_path, capfd):
+    place_map = PlaceMap.build(
+        tmp_path / "m", ROUTE[:12].astype(np.float32), MapAbout(descriptor="x", metric="euclidean", n_features=FEATURES)
+    )
+    place_map.freeze()
+    assert capfd.readouterr() == ("", "")
+
+
 def test_an_index_lists_each_place_once():
     route = ROUTE.copy()
     route[7] = np.nan

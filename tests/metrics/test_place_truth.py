@@ -62,6 +62,13 @@ def test_frames_between_key_frames_are_interpolated():
     np.testing.assert_array_equal(truth.can_be_matched, truth.is_known)
 
 
+def test_whole_frames_between_key_frames_are_whole():
+    for last in range(2, 200):
+        query = np.arange(last + 1)
+        truth = true_matches_by_frames([(0, 7), (last, 7 + 3 * last)], query)
+        np.testing.assert_array_equal(truth.reference, 7 + 3 * query)
+
+
 def test_detour_that_is_not_in_the_map():
     truth = true_matches_by_frames([(0, 0), (10, 10), (20, np.nan), (30, 20), (40, 30)], [9, 10, 11, 20, 29, 30, 35])
     np.testing.assert_array_equal(truth.reference, [9, 10, np.nan, np.nan, np.nan, 20, 25])

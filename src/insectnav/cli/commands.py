@@ -1,11 +1,12 @@
 """The commands under one name, and how bad input and interruption end."""
 
+import errno
 import sys
 from typing import Annotated
 
 import typer
 
-from insectnav.checks import InputError
+from insectnav.checks import InputError, quoted
 from insectnav.cli.align_command import align
 from insectnav.cli.experiment_commands import RunInterruptedError, list_experiments, report, run
 from insectnav.cli.home_command import home
@@ -15,6 +16,9 @@ from insectnav.cli.render_command import render
 from insectnav.cli.segment_command import segment
 
 INTERRUPTED = 130  # exit code, as of shells
+REFUSALS = frozenset(  # of the system, for which the name of a file or the disk is to blame, not the program
+    {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENAMETOOLONG, errno.ENOSPC, errno.EDQUOT, errno.EIO}
+)
 
 app = typer.Typer(
     name="insectnav",
@@ -62,6 +66,10 @@ def run_command(figure: object = None) -> int:
         code = app(standalone_mode=False, obj=figure)
     except InputError as error:
         code = _refuse(str(error))
+    except OSError as error:  # that nobody foresaw
+        if error.errno not in REFUSALS or error.filename is None:
+            raise
+        code = _refuse(f"{quoted(error.filename, 200)} cannot be used ({error.strerror})")
     except typer.TyperException as error:
         code = _refuse(error.format_message())
     except RunInterruptedError as error:

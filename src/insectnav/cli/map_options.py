@@ -10,12 +10,14 @@ FRAMES: Argument = (
 MAP: Argument = ("map_folder", str, "Folder of the map.", "MAP")
 DESCRIBE: tuple[Option, ...] = (
     ("--descriptor", TEXT, "patch-normalised, patch-normalised-v1, retinotopic; with a camera that sees all round also "
-     "binary-sky, spherical-harmonics, zernike, sky-contour, frequency-strip, zernike-orthonormal, zernike-disk; of "
-     "features of your own any word", "patch-normalised, or as in the map", "NAME"),
+     "turned-views, rotations, binary-sky, spherical-harmonics, zernike, sky-contour, frequency-strip, "
+     "zernike-orthonormal, zernike-disk; of features of your own any word",
+     "patch-normalised, or as in the map", "NAME"),
     ("--camera", TEXT, "ahead; panorama or panorama:LOW,HIGH [deg]; fisheye or fisheye:FIELD [deg], looking up; "
      "mirror:RADIUS of the horizon [px]", "ahead, or as in the map", None),
     ("--sky", TEXT, "none: grey; mask: pictures are masks of the sky; or a method of `insectnav segment`",
-     "grey for patch-normalised, retinotopic and frequency-strip, else skylight for colour and watershed for grey",
+     "grey for patch-normalised and -v1, retinotopic, turned-views and frequency-strip, else skylight for colour and "
+     "watershed for grey",
      "METHOD"),
     ("--metric", TEXT, "Of features of your own: cosine, euclidean, absolute or hamming", "cosine", None),
 )  # fmt: skip

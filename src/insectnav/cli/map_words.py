@@ -73,14 +73,15 @@ def _facts(result: Mapping[str, Any]) -> list[str]:
 def _scores(numbers: Mapping[str, Any]) -> list[str]:
     lines = []
     if "precision_of_all" in numbers:
+        share = "unknown, as none can be judged" if not numbers["judged"] else f"{numbers['precision_of_all']:.1%}"
         lines.append(
-            f"precision of all matches {numbers['precision_of_all']:.1%}, recall at 100 % precision "
+            f"precision of all matches {share}, recall at 100 % precision "
             f"{numbers['recall_at_full_precision']:.1%}, area {numbers['area']:.3f}"
         )
     if numbers.get("precision_kept") is not None:
         recall = numbers["recall_kept"]
         lines.append(
-            f"up to the score {numbers['threshold']:g}: precision {numbers['precision_kept']:.1%}"
+            f"up to the score {numbers['threshold']}: precision {numbers['precision_kept']:.1%}"
             + ("" if recall is None else f", recall {recall:.1%}")
         )
     if "error_median" in numbers:

@@ -16,7 +16,7 @@ from insectnav.matching.place_freeze import frozen
 from insectnav.matching.place_index import METRICS_WITH_INDEX, PlaceIndex, read_index
 from insectnav.matching.place_lookup import indexed_matches
 from insectnav.matching.place_record import MapRecord, read_record, write_record
-from insectnav.matching.place_search import Landscape, checked_queries, exact_matches, landscape_of
+from insectnav.matching.place_search import Landscape, check_routes, checked_queries, exact_matches, landscape_of
 from insectnav.matching.place_segments import SEGMENTS, Segments, add_segment, read_segments
 from insectnav.matching.place_shards import cluster_matches
 from insectnav.matching.place_store import DamagedError, only_writer, shown, whole_folder, written
@@ -247,6 +247,7 @@ class PlaceMap:
         landscape = self._landscape()
         queries = checked_queries(landscape, descriptors)
         params.check_length(len(queries), "query", "queries")
+        check_routes(np.asarray(landscape.places.routes), params)
         if cluster is not None:
             if search == "index" or workers is not None:
                 raise InputError("a cluster searches a map without its index, with workers of its own: give it alone")

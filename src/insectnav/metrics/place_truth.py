@@ -97,8 +97,9 @@ def true_matches_by_frames(
         )
     is_known = (query >= keys[0, 0]) & (query <= keys[-1, 0])
     after = np.clip(np.searchsorted(keys[:, 0], query), 1, len(keys) - 1)
-    share = (query - keys[after - 1, 0]) / (keys[after, 0] - keys[after - 1, 0])
-    between = (1 - share) * keys[after - 1, 1] + share * keys[after, 1]
+    first, last = keys[after - 1], keys[after]
+    # Multiplied before it is divided, so that whole numbers come out whole: a tolerance may be 0.
+    between = first[:, 1] + (query - first[:, 0]) * (last[:, 1] - first[:, 1]) / (last[:, 0] - first[:, 0])
     on_key = np.searchsorted(keys[:, 0], query).clip(0, len(keys) - 1)
     found = np.where(keys[on_key, 0] == query, keys[on_key, 1], between)  # a key frame beside a gap is known
     found = np.where(is_known, found, np.nan)

@@ -68,6 +68,42 @@ def test_two_processes_do_not_add_at_once(summer: Path, tmp_path: Path):
     assert PlaceMap.open(tmp_path / "m").n_places == 30
 
 
+def test_a_route_whose_last_batch_is_missing_keeps_the_frames_before(summer: Path, tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(building, "BATCH", 8)
+    for k in range(24, 30):  # the fourth batch
+        spoil(summer / f"frame{k}.png")
+    result = build([str(summer)], tmp_path / "m", BuildParams())
+    assert (result["places"], result["missing"]) == (30, 6)
+    descriptors = PlaceMap.open(tmp_path / "m").descriptors
+    assert_array_equal(np.flatnonzero(np.isnan(descriptors).all(axis=1)), np.arange(24, 30))
+
+
+@pytest.mark.parametrize("freezes", [False, True])
+def test_what_cannot_be_added_leaves_the_map_as_it_was(freezes: bool, tmp_path: Path):
+    rng = np.random.default_rng(0)
+    for name, n_features in (("a", 5), ("longer", 6), ("b", 5)):
+        np.save(tmp_path / f"{name}.npy", rng.normal(size=(30, n_features)))
+    path = tmp_path / "m"
+    build([str(tmp_path / "a.npy")], path, BuildParams(freezes=freezes))
+    with pytest.raises(InputError, match="frozen" if freezes else "n_features"):
+        build([str(tmp_path / "longer.npy")], path, BuildParams(adds=True))
+    assert not (path / UNFINISHED).exists()
+    if not freezes:
+        assert build([str(tmp_path / "b.npy")], path, BuildParams(adds=True))["places"] == 60
+
+
+def test_a_build_that_was_stopped_while_it_froze_is_frozen_by_add(summer: Path, tmp_path: Path, monkeypatch):
+    def stop(_: PlaceMap) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(PlaceMap, "freeze", stop)
+        build([str(summer)], tmp_path / "m", BuildParams(freezes=True))
+    result = build([str(summer)], tmp_path / "m", BuildParams(adds=True, freezes=True))
+    assert (result["frames"], result["places"], result["routes"], result["is_frozen"]) == (0, 30, 1, True)
+    assert not (tmp_path / "m" / UNFINISHED).exists()
+
+
 def test_missing_frames_are_nan_and_found_by_their_neighbours(summer: Path, tmp_path: Path):
     for k in (0, 1, 14):
         spoil(summer / f"frame{k}.png")

@@ -1,6 +1,7 @@
 """Which matches are right, and what they amount to: by hand, and against scikit-learn."""
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -127,6 +128,18 @@ def test_the_table_reads_back(tmp_path):
     path.write_text(text.getvalue().replace("q2", "q2").replace("\n2,", "\n3,"), encoding="utf-8")
     with pytest.raises(InputError, match="does not number its queries"):
         read_matches(path)
+
+
+def test_times_and_scores_of_a_table_are_those_that_were_found(tmp_path):
+    # Seconds since 1970 have ten digits before the point, and scores that differ may share their first nine.
+    times, scores = 1.7e9 + np.array([0.25, 1.125]), np.array([1 / 3, 1 / 3 + 1e-12])
+    found = located([0, 1], scores)
+    path = tmp_path / "matches.csv"
+    with path.open("w", newline="") as file:
+        write_rows(file, replace(found, times=times).rows())
+    again = read_matches(path)
+    np.testing.assert_array_equal(again.times, times)
+    np.testing.assert_array_equal(again.score, scores)
 
 
 def test_quantities_as_a_person_writes_them():

@@ -93,13 +93,12 @@ def build(
             if not n_done:
                 remarks.check_any()
         except InputError:
-            if run.is_new:  # nothing half-written is left behind
-                shutil.rmtree(path, ignore_errors=True)
+            run.take_back()
             raise
+        result = PlaceMap.open(path)
+        if params.freezes and not result.is_frozen:
+            result.freeze()
         (path / UNFINISHED).unlink(missing_ok=True)
-    result = PlaceMap.open(path)
-    if params.freezes:
-        result.freeze()
     notes = [*given.notes, *more, *remarks.sentences(describe.used_metric)]
     seconds = time.perf_counter() - started
     done = {"map": str(folder), "frames_from_earlier_run": n_done, "seconds": seconds}
@@ -152,6 +151,7 @@ class _Run:
     first: int  # place of the first frame of this route
     held: ExitStack  # lets go of the map at the end
     is_new: bool = False
+    has_record: bool = False  # whether this run, not another, said what is unfinished
 
     def add_all(
         self,
@@ -184,8 +184,10 @@ class _Run:
             self.is_new = True
         if n_done == 0:
             _write_record(self.path, self.record | {"first_place": self.first})
+            self.has_record = True
         about, n_before = place_map.about, place_map.n_places
-        about.check_same(self._about(batch), "the frames")
+        if n_done == 0 or any(one.features is not None for one in batch):  # the last ones may all be missing
+            about.check_same(self._about(batch), "the frames")
         place_map.add(
             stacked([one.features for one in batch], about.n_features, about.metric),
             times=[one.frame.time for one in batch],
@@ -196,6 +198,13 @@ class _Run:
         if self.pictures:
             keep_thumbnails(self.path, n_before, [one.picture for one in batch])
         return place_map
+
+    def take_back(self) -> None:
+        """Leave nothing half-written behind, nor a record of a route of which there is nothing to go on with."""
+        if self.is_new:
+            shutil.rmtree(self.path, ignore_errors=True)
+        elif self.has_record and PlaceMap.open(self.path).n_places == self.first:
+            (self.path / UNFINISHED).unlink(missing_ok=True)
 
     def _about(self, batch: list[Described]) -> MapAbout:
         sizes = [len(one.features) for one in batch if one.features is not None]
@@ -230,7 +239,7 @@ def _there(path: Path, adds: bool) -> PlaceMap | None:
             )
         raise InputError(f"{quoted(path, 200)} exists, expected a new name, or --add to add another route to a map")
     place_map = PlaceMap.open(path)
-    if place_map.is_frozen:
+    if place_map.is_frozen and not (path / UNFINISHED).exists():
         raise InputError(f"the map {quoted(path, 200)} is frozen, expected one that can be added to")
     check_room(path / UNFINISHED, f"the map {quoted(path, 200)}")
     return place_map

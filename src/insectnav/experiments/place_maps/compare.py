@@ -13,6 +13,7 @@ from insectnav.experiments.place_maps.describe import COMPARED, ROTATED, Describ
 from insectnav.experiments.place_maps.view_cameras import grid, grid_resampler
 from insectnav.matching.compass import TurnMatrix, turn_matrix, turns_of_matches
 from insectnav.matching.difference import prepare_references
+from insectnav.matching.place_search import check_routes
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.rotation import build_rotation_index
 from insectnav.matching.rotation_matches import RotationMatches
@@ -116,6 +117,7 @@ def _turned(
 
 def _sequences(difference: Reals, routes: NDArray[np.int64], params: SeqSlamParams, workers: int | None) -> Matches:
     """Matches of sequences as `seqslam` gives them, with lines that stay on one route of several."""
+    check_routes(routes, params)
     parts = [_lines(difference[routes == route], params, workers) for route in np.unique(routes)]
     sums, speeds = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
     n_seen = np.convolve(~np.isnan(difference).all(axis=0), np.ones(params.n_steps + 1, np.int64), "valid")
@@ -198,7 +200,7 @@ def _rotated(
     if params.n_steps == 0:
         matches = _no_matches(n_queries)
         matches.reference[queries] = usable[single.reference]
-        matches.score[queries] = np.where(np.isnan(single.ratio), 0.0, single.ratio)
+        matches.score[queries] = np.where(np.isnan(single.ratio), 1.0, single.ratio)  # no other place to tell it from
         angles[queries] = _angles_deg(single)
         return Compared(matches, angles, difference)
     matches = _sequences(difference, routes, params, workers)

@@ -171,7 +171,7 @@ class DescribeParams:
             ("Descriptor", f"{self.descriptor} {where} ({source})"),
             ("Described", sky + (unseen if self.is_of_sky else "")),
             ("Camera", self.camera.in_words),
-            ("Compared by", self.used_metric),
+            ("Compared by", "mean squared difference" if self.descriptor == ROTATED else self.used_metric),
         ]
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -58,6 +61,7 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
                 f"the table has matches up to place {len(found.place_names) - 1}, expected a map with as many: "
                 "another map?"
             )
+        _check_names(found, opened.names)
         found = replace(
             found,
             place_names=opened.names,
@@ -78,6 +82,24 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
         "notes": notes,
         "curve": _curve(found),
     }
+
+
+def _check_names(found: Located, names: Sequence[str]) -> None:
+    """Refuse a map whose places are called otherwise than in the table, where that has names."""
+    for place in np.unique(found.reference[found.is_matched]).tolist():
+        said, there = found.place_names[place], names[place]
+        if said and not _is_same_name(said, there):
+            raise InputError(
+                f"place {place} is called {quoted(said)} in the table and {quoted(there)} in the map, expected the map "
+                "that the frames were located in"
+            )
+
+
+def _is_same_name(said: str, there: str) -> bool:
+    """Whether names are the same; of numbers a spreadsheet may have dropped zeros, or digits after the sixth."""
+    with suppress(ValueError):
+        return said == there or math.isclose(float(said), float(there), rel_tol=1e-5)
+    return False
 
 
 def _truth(found: Located, params: LocateParams, about: MapAbout | None) -> Truth:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -75,9 +76,7 @@ def draw_matches(found: Located, difference: Reals, places: Integers, queries: I
 def _draw_correspondences(axes: Axes, found: Located) -> None:
     query = np.arange(len(found.reference))
     if found.truth is not None:
-        axes.plot(
-            query, found.truth.reference, color=COLOURS["black"], linewidth=0.7, alpha=0.6, label="truth", zorder=1
-        )
+        axes.plot(*_truth_by_route(found), color=COLOURS["black"], linewidth=0.7, alpha=0.6, label="truth", zorder=1)
     for word, which, colour, marker in match_kinds(found):
         axes.plot(
             query[which], found.reference[which], marker, color=colour, markersize=3.0 if marker == "." else 3.5,
@@ -88,7 +87,23 @@ def _draw_correspondences(axes: Axes, found: Located) -> None:
     axes.set(
         ylabel="place in the map", xlim=(-0.5, len(query) - 0.5), ylim=(-0.5, max(1, len(found.place_names)) - 0.5)
     )
-    axes.legend(loc="upper left", borderaxespad=0.2, handletextpad=0.4)
+    _legend(axes, loc="best", borderaxespad=0.2, handletextpad=0.4)
+
+
+def _truth_by_route(found: Located) -> tuple[Reals, Reals]:
+    """Queries and their true places, with a gap where the truth goes on along another route."""
+    if found.truth is None:
+        return np.empty(0), np.empty(0)
+    reference = found.truth.reference
+    places = np.clip(np.nan_to_num(reference), 0, len(found.place_routes) - 1).astype(np.int64)
+    seams = np.flatnonzero(np.diff(found.place_routes[places])) + 1
+    return np.insert(np.arange(len(reference), dtype=float), seams, np.nan), np.insert(reference, seams, np.nan)
+
+
+def _legend(axes: Axes, **how: Any) -> None:
+    """A legend, where there is something to name."""
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(**how)
 
 
 def _draw_scores(axes: Axes, found: Located) -> None:
@@ -117,7 +132,7 @@ def _draw_matrix(axes: Axes, found: Located, difference: Reals, places: Integers
     axes.figure.colorbar(image, ax=axes, fraction=0.05, pad=0.02).set_label("difference")
     query = np.arange(len(found.reference))
     for word, which, _, marker in match_kinds(found):
-        colour = "white" if word in ("right", "match") else COLOURS["red"]
+        colour = COLOURS["red"] if word == "wrong" else "white"
         axes.plot(
             query[which], found.reference[which], marker, color=colour, markersize=1.4 if marker == "." else 2.4,
             markeredgewidth=0.6 if marker != "." else 0.0,
@@ -140,7 +155,9 @@ def draw_precision(found: Located) -> Figure | None:
     with journal_style():
         figure = Figure(figsize=(DOUBLE_COLUMN, 2.5), layout="constrained")
         axes = figure.subplot_mosaic("ab")
-        axes["a"].plot(curve.recall, curve.precision, drawstyle="steps-pre", color=COLOURS["blue"])
+        recall, precision = np.append(0.0, curve.recall), np.append(curve.precision[:1], curve.precision)
+        if len(precision) == len(recall):
+            axes["a"].plot(recall, precision, drawstyle="steps-pre", color=COLOURS["blue"])
         axes["a"].plot(curve.recall[-1:], curve.precision[-1:], "o", color=COLOURS["blue"], markersize=3)
         axes["a"].set(xlabel="recall", ylabel="precision", xlim=(0, 1.02), ylim=(0, 1.02))
         name_panel(axes["a"], "a", f"within {quantity(found.truth.tolerance, found.truth.unit)}")
@@ -156,7 +173,7 @@ def draw_precision(found: Located) -> Figure | None:
         if found.threshold is not None:
             axes["b"].axvline(found.threshold, color=COLOURS["black"], linewidth=0.6, linestyle="--", label="threshold")
         axes["b"].set(xlabel="score (0 unique, 1 as good as another place)", ylabel="matches")
-        axes["b"].legend(loc="upper left")
+        _legend(axes["b"], loc="upper left")
         name_panel(axes["b"], "b", "scores")
     return figure
 
@@ -224,7 +241,10 @@ def _draw_error_over_queries(axes: Axes, found: Located) -> None:
     axes.text(0.99, found.truth.tolerance, "tolerance ", ha="right", va="bottom", fontsize=6,
               transform=axes.get_yaxis_transform())  # fmt: skip
     axes.set(xlabel="query", ylabel=f"error ({found.truth.unit})", xlim=(-0.5, len(query) - 0.5))
-    axes.set_ylim(0.0, max(1.15 * found.truth.tolerance, 1.05 * float(np.nanmax(found.truth.error))))
+    largest = float(np.nanmax(found.truth.error[found.is_kept], initial=0.0))  # of what is drawn
+    highest = max(1.15 * found.truth.tolerance, 1.05 * largest)
+    if 0.0 < highest < np.inf:
+        axes.set_ylim(-0.03 * highest, highest)  # marks at 0 are seen whole
 
 
 def _draw_angles(axes: Axes, found: Located) -> None:
@@ -241,7 +261,7 @@ def _draw_angles(axes: Axes, found: Located) -> None:
             axes.plot(query, values, marker, color=COLOURS[colour], markersize=3, markeredgewidth=0.6, label=name)
     axes.axhline(0.0, color=COLOURS["grey"], linewidth=0.5, zorder=0)
     axes.set(xlabel="query", ylabel="angle (deg)", xlim=(-0.5, len(query) - 0.5))
-    axes.legend(loc="upper right", ncols=3)
+    _legend(axes, loc="best", ncols=3)
 
 
 def _draw_errors(axes: Axes, found: Located) -> None:
@@ -280,7 +300,7 @@ def draw_pairs(pairs: Sequence[tuple[str, NDArray[Any], NDArray[Any]]]) -> Figur
                 axes[row, column].imshow(picture, cmap="gray", interpolation="nearest")
                 axes[row, column].set(xticks=[], yticks=[])
                 axes[row, column].spines[:].set_visible(False)
-            axes[0, column].set_title(title, fontsize=6)
+            axes[0, column].set_title("\n".join(wrap(title, 18)), fontsize=6, verticalalignment="bottom")
         axes[0, 0].set_ylabel("query")
         axes[1, 0].set_ylabel("match")
     return figure

@@ -169,6 +169,8 @@ def numbers(found: Located) -> dict[str, Any]:
         "score_median": _median(found.score[found.is_matched]),
         "speed_median": _median(found.speed[found.is_matched]),
     }
+    if found.threshold is not None:
+        result["threshold"] = found.threshold
     truth, curve = found.truth, found.curve()
     if truth is None:
         return result
@@ -194,7 +196,6 @@ def numbers(found: Located) -> dict[str, Any]:
     if found.threshold is not None:
         n_right, n_able = result["kept_right"], result["can_be_matched"]
         result |= {
-            "threshold": found.threshold,
             "precision_kept": n_right / int(kept.sum()) if kept.any() else None,
             "recall_kept": n_right / n_able if n_able else None,
         }
@@ -232,6 +233,8 @@ def read_matches(path: str | os.PathLike[str]) -> Located:
             f"{shown} does not number its queries 0, 1, 2, …, expected all of them in order: sorted or cut?"
         )
     reference = _whole_numbers(values["reference"], "reference", -1, lines, shown)
+    if (lacks := np.flatnonzero((reference >= 0) & np.isnan(values["score"]))).size:
+        raise InputError(f"line {lines[lacks[0]]} of {shown} has a match without a score, expected one for each match")
     routes = _whole_numbers(np.where(reference >= 0, values["route"], 0.0), "route", 0, lines, shown)
     frames = np.where(np.isnan(values["frame"]), values["query"], values["frame"])
     return _without_map(cells, reference, routes, _whole_numbers(frames, "frame", 0, lines, shown), values)
@@ -291,7 +294,7 @@ def _column(cells: dict[str, list[str]], name: str, lines: Integers, shown: str)
 
 
 def write_rows(file: Any, rows: Sequence[dict[str, Any]]) -> None:
-    """Rows of `Located.rows` as CSV to an open file; numbers with nine significant digits, NaN as an empty cell."""
+    """Rows of `Located.rows` as CSV to an open file; numbers with all digits they have, NaN as an empty cell."""
     names = list(rows[0]) if rows else list(MATCH_COLUMNS)
     writer = csv.writer(file)
     writer.writerow(names)
@@ -301,7 +304,7 @@ def write_rows(file: Any, rows: Sequence[dict[str, Any]]) -> None:
 
 def _cell(value: Any) -> Any:
     if isinstance(value, float):
-        return f"{value:.9g}" if np.isfinite(value) else ""
+        return repr(float(value)).removesuffix(".0") if np.isfinite(value) else ""
     return value
 
 

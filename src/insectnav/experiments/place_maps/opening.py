@@ -123,6 +123,7 @@ def check_one_frame(own: Origin, of_map: Origin) -> None:
         return
     kinds = ("latitudes and longitudes", "x and y from an origin that is not known")
     mine, maps = kinds if of_map is None else kinds[::-1]
+    maps += ", if it has any" if of_map is None else ""
     raise InputError(f"--positions are {mine}, but those of the map are {maps}, expected both in one frame")
 
 

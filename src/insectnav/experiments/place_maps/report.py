@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import secrets
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.checks import InputError, counted, quoted
+from insectnav.checks import InputError, quoted
 from insectnav.experiments.figures import save_figure
 from insectnav.experiments.place_maps import figures
 from insectnav.experiments.place_maps.describe import ROTATED, TURNED
@@ -22,7 +22,7 @@ from insectnav.experiments.place_maps.located import Located, numbers, write_row
 from insectnav.experiments.place_maps.page import PlacePage, Plot, lead_sentence, render_page
 from insectnav.experiments.place_maps.pairs import chosen_pairs, shown_pairs
 from insectnav.experiments.place_maps.thumbnails import find_thumbnails, picture_of
-from insectnav.experiments.place_maps.truth import quantity
+from insectnav.experiments.place_maps.words import numbers_in_words, settings_in_words, tiles
 from insectnav.experiments.results import (
     PROVENANCE,
     check_destination,
@@ -44,35 +44,6 @@ PRECISION_CAPTION = [
 ]
 AFTER_THE_BEST = {TURNED: "after the best turn", ROTATED: "after the best rotation, over what both saw"}
 TABLE, PAGE, SUMMARY, FIGURES = "matches.csv", "page.html", "summary.json", "figures"
-SAID = {  # of the numbers: what they are called, how they are written, what they are
-    "queries": ("Queries", "d", "frames that were looked for"),
-    "places": ("Places", "d", "in the map"),
-    "matched": ("Matched", "d", "queries with a match, whatever its score"),
-    "kept": ("Kept", "d", "matches whose score is at most the threshold; all where there is none"),
-    "score_median": ("Score, median", ".3f", "of all matches: 0 is unique, 1 as good as another place"),
-    "speed_median": ("Speed, median", ".2f", "places of the map per query"),
-    "judged": ("Judged", "d", "matches of which it is known whether they are right"),
-    "can_be_matched": (
-        "Can be matched",
-        "d",
-        "queries whose place is in the map and that have a whole sequence about them",
-    ),
-    "right": ("Right", "d", "matches within the tolerance"),
-    "kept_judged": ("Kept and judged", "d", "matches kept of which it is known whether they are right"),
-    "kept_right": ("Kept and right", "d", "of these"),
-    "precision_of_all": ("Precision of all matches", ".1%", "right matches of all that are judged, at full recall"),
-    "recall_of_all": ("Recall of all matches", ".1%", "right matches of all queries that can be matched"),
-    "recall_at_full_precision": ("Recall at 100 % precision", ".1%", "of the best matches before the first wrong one"),
-    "threshold_of_full_precision": ("Score of the same", ".3f", "up to which no match is wrong: a --threshold"),
-    "area": ("Area under the curve", ".3f", "of precision over recall, by steps"),
-    "threshold": ("Threshold", ".3f", "given"),
-    "precision_kept": ("Precision of what is kept", ".1%", "right matches of those kept"),
-    "recall_kept": ("Recall of what is kept", ".1%", "right matches kept of all queries that can be matched"),
-    "error_median": ("Error, median", ".3g", "from the true place, of the matches kept"),
-    "error_mean": ("Error, mean", ".3g", "of the same"),
-    "error_90_percent": ("Error, 90 %", ".3g", "nine of ten matches are nearer"),
-    "error_largest": ("Error, largest", ".3g", "of the same"),
-}
 
 
 def summary(search: Search, params: LocateParams, place_map: PlaceMap) -> dict[str, Any]:
@@ -243,11 +214,11 @@ def page_text(search: Search, params: LocateParams, place_map: PlaceMap, title: 
         PlacePage(
             title=title,
             lead=lead_sentence(values),
-            tiles=_tiles(values),
+            tiles=tiles(values),
             plots=[_plot(name, figure, heading, caption) for name, figure, heading, caption in drawn],
             pairs=pairs,
-            numbers=_in_words(values),
-            settings=_settings(search, params, place_map),
+            numbers=numbers_in_words(values),
+            settings=settings_in_words(search, params, place_map),
             notes=search.notes,
             command=["insectnav", *sys.argv[1:]] if Path(sys.argv[0]).name.startswith("insectnav") else (),
             made=datetime.now().astimezone(),
@@ -272,13 +243,14 @@ def _match_caption(search: Search) -> Caption:
     truth, describe = search.found.truth, search.describe
     kinds = "right ones green, wrong ones red crosses" if truth is not None else "in blue"
     line = f"; the line is the truth: {truth.source}" if truth is not None else ""
+    limit = "; grey dots, above the dashed line, are not kept" if search.found.threshold is not None else ""
     how = describe.used_metric
     if not describe.is_vectors:
         how = AFTER_THE_BEST.get(describe.descriptor, how)
     return [
         ("a", f"The match of each query in the map, {kinds}{line}."),
         ("b", f"How different each query is from each place ({how}), dark where alike, with the matches in it."),
-        ("c", "Scores: 0 where a match is unique, 1 where another place fits as well."),
+        ("c", f"Scores: 0 where a match is unique, 1 where another place fits as well{limit}."),
     ]
 
 
@@ -312,89 +284,3 @@ def _plot(name: str, figure: Figure, heading: str, caption: Sequence[tuple[str, 
     png = data.getvalue()
     size = (int.from_bytes(png[16:20], "big"), int.from_bytes(png[20:24], "big"))
     return Plot(name=name, heading=heading, caption=caption, png=png, size=size)
-
-
-def _tiles(values: Mapping[str, Any]) -> list[tuple[str, str]]:
-    tiles = [
-        (
-            f"{values['kept']} / {values['queries']}",
-            "queries with a match" + (" that is kept" if "threshold" in values else ""),
-        )
-    ]
-    if values.get("precision_kept") is not None:
-        tiles.append((f"{values['precision_kept']:.1%}", "of these are right"))
-        if values["recall_kept"] is not None:
-            tiles.append((f"{values['recall_kept']:.1%}", "of what can be matched is found"))
-    elif "precision_of_all" in values:
-        tiles += [
-            (f"{values['precision_of_all']:.1%}", "of all matches are right"),
-            (f"{values['recall_at_full_precision']:.1%}", "recall before the first wrong match"),
-        ]
-    if "error_median" in values:
-        tiles.append((quantity(values["error_median"], values["unit"]), "off in the median"))
-    if "precision_of_all" not in values:
-        tiles.append((f"{values['score_median']:.2f}", "median score (0 unique, 1 ambiguous)"))
-        if np.isfinite(values["speed_median"]):
-            tiles.append((f"{values['speed_median']:.2f}", "places per query"))
-    return tiles
-
-
-def _in_words(values: Mapping[str, Any]) -> list[tuple[str, str, str]]:
-    rows = []
-    for name, (title, form, what) in SAID.items():
-        value = values.get(name)
-        if value is None or (isinstance(value, float) and not np.isfinite(value)):
-            continue
-        shown = quantity(value, values["unit"]) if name.startswith("error") else format(value, form)
-        rows.append((title, shown, what))
-    if "tolerance" in values:
-        rows.append(("Tolerance", quantity(values["tolerance"], values["unit"]), "up to which a match is right"))
-    return rows
-
-
-def _search_in_words(search: Search, by: str) -> str:
-    """How matches were found, with the lengths that windows of places have on the ground."""
-    seqslam, found = search.seqslam, search.found
-    steps = np.linalg.norm(np.diff(found.place_positions[:, :2], axis=0), axis=1)[np.diff(found.place_routes) == 0]
-    known = steps[np.isfinite(steps)]
-
-    def places(count: int) -> str:
-        return counted(count, "place") + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
-
-    around = places(seqslam.unique_window // 2)
-    if not seqslam.n_steps:
-        return (
-            "frames one by one, the most alike place; the score is its difference over the least of all places farther "
-            f"than {around} from it"
-        )
-    return (
-        f"SeqSLAM (Milford & Wyeth 2012): sequences of {seqslam.n_steps + 1} frames, {seqslam.slowest:g} to "
-        f"{seqslam.fastest:g} places per query, contrast over {places(seqslam.contrast_window)}, score against all "
-        f"starts farther than {around}; search {by}"
-    )
-
-
-def _settings(search: Search, params: LocateParams, place_map: PlaceMap) -> list[tuple[str, str]]:
-    """Everything that was set or assumed."""
-    found = search.found
-    origin = place_map.about.origin_deg
-    places, routes = counted(place_map.n_places, "place"), counted(int(found.place_routes.max()) + 1, "route")
-    rows = [
-        ("Map", f"{place_map.path}, {places} on {routes}"),
-        *search.describe.in_words(),
-        ("Frames taken", params.frames.thinning.in_words),
-        ("Matched by", _search_in_words(search, params.search)),
-        ("Threshold", "none: all matches are kept" if found.threshold is None else f"scores up to {found.threshold:g}"),
-        ("Truth", "none is known" if found.truth is None else f"{found.truth.source}, right within "
-         + quantity(found.truth.tolerance, found.truth.unit)),
-    ]  # fmt: skip
-    if found.truth is not None:
-        rows.append(
-            ("Recall counts", "queries whose place is in the map and that have a whole sequence about them; a query "
-             "that cannot be judged counts for nothing")
-        )  # fmt: skip
-    if origin is not None:
-        rows.append(("Origin of x and y", f"latitude {origin[0]:.6f}°, longitude {origin[1]:.6f}° (x east, y north)"))
-    describing, matching = search.seconds["describing"], search.seconds["matching"]
-    rows.append(("Time taken", f"{describing:.2f} s to read and describe, {matching:.2f} s to match"))
-    return rows
