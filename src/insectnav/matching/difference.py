@@ -215,10 +215,8 @@ def pack_bits(name: str, vectors: NDArray[Any]) -> NDArray[np.uint64]:
 
 def _precision(vectors: NDArray[Any], metric: str) -> np.dtype[Any]:
     """In which differences from these references are summed."""
-    is_single = vectors.dtype == np.float32
-    if metric in ("cosine", "euclidean"):
-        is_single = vectors.shape[1] > FEW_FEATURES
-    return np.dtype(np.float32 if is_single else np.float64)
+    is_single = vectors.dtype == np.float32 or metric in ("cosine", "euclidean")
+    return np.dtype(np.float32 if is_single and vectors.shape[1] > FEW_FEATURES else np.float64)
 
 
 def _scaled(vectors: NDArray[Any], metric: str, common: Common, dtype: np.dtype[Any]) -> Reals:

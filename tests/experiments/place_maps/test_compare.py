@@ -8,11 +8,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from insectnav.experiments.place_maps.compare import compare
 from insectnav.experiments.place_maps.describe import DescribeParams, describe
-from insectnav.experiments.place_maps.view_cameras import view_camera
-from insectnav.matching import seqslam, turn_matrix
+from insectnav.experiments.place_maps.view_cameras import grid, grid_resampler, view_camera
+from insectnav.matching import build_rotation_index, seqslam, turn_matrix
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.seqslam import SeqSlamParams
-from place_scenes import panoramas
+from place_scenes import panoramas, sky_disk, skylines
 
 PARAMS = DescribeParams(descriptor="turned-views", camera=view_camera("panorama")).settled(panoramas(1)[0])
 
@@ -103,3 +103,36 @@ def test_single_frames_are_matched_with_the_most_alike_place(tmp_path: Path, met
         others = np.abs(np.arange(30) - best) > 2
         assert found.reference[k] == best
         assert found.score[k] == pytest.approx(apart[best] / apart[others].min(), rel=1e-4)
+
+
+def test_the_score_of_a_single_sky_is_told_from_places_outside_the_window(tmp_path: Path):
+    camera = view_camera("fisheye:180")
+    skies = [sky_disk(one, turn_deg=turn) for one in skylines()[::10] for turn in (0.0, 1.0)]  # each place twice
+    params = DescribeParams(descriptor="rotations", camera=camera, sky="mask").settled(skies[0])
+    views = np.stack([describe(sky, params) for sky in skies])
+    queries = np.stack([describe(sky_disk(one + 3.0), params) for one in skylines()[::10]])
+    about = MapAbout(
+        descriptor="rotations",
+        metric=params.used_metric,
+        n_features=views.shape[1],
+        camera=camera.text,
+        settings=params.settings(),
+    )
+    place_map = PlaceMap.create(tmp_path / "m", about)
+    place_map.add(views)
+    near, far = (
+        compare(
+            place_map, queries, params, SeqSlamParams(sequence_length=1, unique_window=window), "auto", None
+        ).matches
+        for window in (0, 2)
+    )
+    assert_array_equal(near.reference, far.reference)
+    assert_array_equal(far.reference // 2, np.arange(4))
+    assert (far.score < 0.8 * near.score).all()
+    index = build_rotation_index(views, grid_resampler(camera, params.view_size).seen, grid())
+    difference = index.match_and_compare(queries, grid_resampler(camera, params.view_size).seen)[1]
+    for query, match in enumerate(far.reference):
+        for found, window in ((near, 0), (far, 1)):
+            others = [difference[query, k] for k in range(8) if abs(k - match) > window]
+            # differences are of the order of 0.1, and good to 1e-5 by transforms in single precision
+            assert_allclose(found.score[query], min(difference[query, match] / min(others), 1.0), atol=1e-3)

@@ -40,8 +40,11 @@ def test_matches_that_are_dropped_are_not_said_to_be_none_where_nothing_is_known
     assert ("Threshold", "0.5", "given") in numbers_in_words(found)
 
 
-def test_rotations_are_not_said_to_have_a_window():
+def test_single_frames_have_a_window_also_after_all_rotations():
     describe = DescribeParams(descriptor=ROTATED, camera=view_camera("fisheye:180"), sky="mask")
     search = SimpleNamespace(seqslam=SeqSlamParams(sequence_length=1), found=located([0]), describe=describe)
-    assert "farther than" not in search_in_words(search, "auto")
+    assert search_in_words(search, "auto") == (
+        "frames one by one, after all rotations the place with the least mean squared difference over what both saw; "
+        "the score is its difference in the coarse search over the least of all places farther than 5 places from it"
+    )
     assert ("Compared by", "mean squared difference") in describe.in_words()

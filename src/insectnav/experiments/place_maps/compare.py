@@ -165,19 +165,22 @@ def _most_alike(place_map: PlaceMap, features: Features, params: SeqSlamParams, 
 
 def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> Matches:
     """The most alike place of each single view; its score is its difference over the least of other places."""
-    n_places, n_queries = difference.shape
-    reference, score = np.full(n_queries, -1), np.full(n_queries, np.nan)
-    number = np.arange(n_places)
+    n_queries = difference.shape[1]
+    matches = _no_matches(n_queries)
     for query in range(n_queries):
         column = np.where(np.isnan(difference[:, query]), np.inf, difference[:, query])
         best, finite = int(column.argmin()), column[np.isfinite(column)]
         if not finite.size or (finite.size > 1 and finite.max() == column[best]):  # nothing tells places apart
             continue
-        is_other = (np.abs(number - best) > half_window) | (routes != routes[best])
-        second = float(column[is_other].min(initial=np.inf))
-        reference[query] = best
-        score[query] = column[best] / second if 0.0 < second < np.inf else 1.0
-    return Matches(reference, score, np.full(n_queries, np.nan))
+        matches.reference[query], matches.score[query] = best, _score(column, best, routes, half_window)
+    return matches
+
+
+def _score(column: Reals, best: int, routes: NDArray[np.int64], half_window: int) -> float:
+    """Difference of a query from its match over the least from places outside the window, at most 1; inf: missing."""
+    is_other = (np.abs(np.arange(len(column)) - best) > half_window) | (routes != routes[best])
+    second = float(column[is_other].min(initial=np.inf))
+    return min(float(column[best]) / second, 1.0) if 0.0 < second < np.inf else 1.0
 
 
 def _rotated(
@@ -198,9 +201,11 @@ def _rotated(
     single, compared = index.match_and_compare(skies, seen)
     difference[np.ix_(usable, queries)] = compared.T
     if params.n_steps == 0:
-        matches = _no_matches(n_queries)
+        matches, half = _no_matches(n_queries), params.unique_window // 2
         matches.reference[queries] = usable[single.reference]
-        matches.score[queries] = np.where(np.isnan(single.ratio), 1.0, single.ratio)  # no other place to tell it from
+        columns = np.where(np.isnan(difference), np.inf, difference).T
+        for query in queries.tolist():
+            matches.score[query] = _score(columns[query], int(matches.reference[query]), routes, half)
         angles[queries] = _angles_deg(single)
         return Compared(matches, angles, difference)
     matches = _sequences(difference, routes, params, workers)

@@ -142,7 +142,7 @@ class Located:
                 **{axis: float(place[k, n]) for n, axis in enumerate("xyz")},
             }
             if self.angles_deg is not None:
-                row |= dict(zip(ANGLE_COLUMNS, self.angles_deg[k].tolist(), strict=True))
+                row |= dict(zip(ANGLE_COLUMNS, self.angles_deg[k].round(9).tolist(), strict=True))
             if truth is not None:
                 row |= {
                     "true_reference": _number_of_place(float(truth.reference[k])),

@@ -110,15 +110,14 @@ def search_in_words(search: Search, by: str) -> str:
         return counted(count, "place") + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
 
     around = places(seqslam.unique_window // 2)
-    if not seqslam.n_steps and search.describe.descriptor == ROTATED and not search.describe.is_vectors:
-        return (
-            "frames one by one, after all rotations: the place with the least mean squared difference over what both "
-            "saw; the score is its difference over that of the next best place, be it a neighbour"
-        )
     if not seqslam.n_steps:
+        best, differences = "the most alike place", "difference"
+        if search.describe.descriptor == ROTATED and not search.describe.is_vectors:
+            best = "after all rotations the place with the least mean squared difference over what both saw"
+            differences = "difference in the coarse search"
         return (
-            "frames one by one, the most alike place; the score is its difference over the least of all places farther "
-            f"than {around} from it"
+            f"frames one by one, {best}; the score is its {differences} over the least of all places farther than "
+            f"{around} from it"
         )
     return (
         f"SeqSLAM (Milford & Wyeth 2012): sequences of {seqslam.n_steps + 1} frames, {seqslam.slowest:g} to "
