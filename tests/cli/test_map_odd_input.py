@@ -87,6 +87,11 @@ def test_frames_by_a_pattern_leave_a_folder_without_stars(run, walk: Path, frame
     assert [path.name for path in (walk / "out").iterdir()] == [f"locate-{folder}"]
 
 
+def test_no_name_is_not_the_folder_one_is_in(run, walk: Path, monkeypatch):
+    monkeypatch.chdir(walk / "winter")
+    assert_refused(run("map", "build", "", "../route"), "an empty name is given, expected a folder, a file or '.'")
+
+
 def test_the_folder_one_is_in_has_its_name_in_the_title(run, walk: Path, monkeypatch):
     assert run("map", "build", "summer", "route").code == 0
     monkeypatch.chdir(walk / "winter")

@@ -166,6 +166,8 @@ def test_folder_gives_photographs_in_natural_order_and_names_the_rest(tmp_path: 
         find_images([tmp_path / "nowhere"])
     with pytest.raises(InputError, match="no photograph"):
         find_images([tmp_path / "sub"])
+    with pytest.raises(InputError, match="an empty name is given"):
+        find_images([""])
 
 
 def test_truth_is_found_by_name(tmp_path: Path):

@@ -55,7 +55,7 @@ def find_images(places: Iterable[str | os.PathLike[str]], kinds: Sequence[str] =
     """
     files: list[Path] = []
     skipped: list[tuple[str, str]] = []
-    for place in (Path(one) for one in places):
+    for place in (named(one) for one in places):
         if place.is_dir():
             found, others = _of_folder(place, kinds)
             files += found
@@ -67,6 +67,19 @@ def find_images(places: Iterable[str | os.PathLike[str]], kinds: Sequence[str] =
     if not files:
         raise InputError(f"no photograph is given, expected files or folders with names that end in {', '.join(kinds)}")
     return FoundImages(files=tuple(files), skipped=tuple(skipped))
+
+
+def named(place: str | os.PathLike[str]) -> Path:
+    """The path of a place that a user named; none is not the present folder.
+
+    Raises
+    ------
+    InputError
+        If the name is empty.
+    """
+    if not os.fspath(place):
+        raise InputError("an empty name is given, expected a folder, a file or '.': a variable that is not set?")
+    return Path(place)
 
 
 def _of_folder(folder: Path, kinds: Sequence[str]) -> tuple[list[Path], list[tuple[str, str]]]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_count, check_range, counted, quoted
-from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS, find_images, natural_order
+from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS, find_images, named, natural_order
 from insectnav.datasets.video import video_facts
 from insectnav.experiments.picture_sources import count_pictures, given, sources
 
@@ -186,7 +186,7 @@ def _is_far(frame: Frame, last: Frame, thinning: Thinning) -> bool:
 
 def _matching(place: str | os.PathLike[str]) -> list[Path]:
     """The place itself, or all files that a pattern such as walk/left_*.png stands for, in natural order."""
-    path = Path(place)
+    path = named(place)
     if path.exists() or not glob.has_magic(str(place)):
         return [path]
     found = sorted((Path(name) for name in glob.iglob(str(place))), key=lambda one: natural_order(one.name))
