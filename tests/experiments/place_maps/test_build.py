@@ -1,5 +1,6 @@
 """Maps on disk: whole or going on, one process at a time, and what stays after an interruption."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from insectnav.experiments.place_maps import build as building
 from insectnav.experiments.place_maps.build import ADDING, UNFINISHED, BuildParams, build
 from insectnav.experiments.place_maps.locate import LocateParams, TruthParams, locate
 from insectnav.experiments.place_maps.opening import FrameParams
+from insectnav.experiments.place_maps.thumbnails import find_thumbnails
 from insectnav.experiments.store import locked
 from insectnav.matching.places import PlaceMap
 from place_scenes import spoil, views, write_pictures
@@ -38,6 +40,22 @@ def test_an_interruption_keeps_whole_batches_and_add_goes_on(summer: Path, tmp_p
     assert_array_equal(one.descriptors, other.descriptors)
     assert one.names == other.names
     assert not (tmp_path / "m" / UNFINISHED).exists()
+
+
+def test_no_batch_is_on_disk_without_its_small_pictures(summer: Path, tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(building, "BATCH", 8)
+    keep = building.keep_thumbnails
+
+    def keep_and_stop(folder: Path, first: int, pictures: Sequence[bytes]) -> None:
+        if first == 8:
+            raise KeyboardInterrupt
+        keep(folder, first, pictures)
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(building, "keep_thumbnails", keep_and_stop)
+        build([str(summer)], tmp_path / "m", BuildParams())
+    build([str(summer)], tmp_path / "m", BuildParams(adds=True))
+    assert sorted(find_thumbnails(tmp_path / "m", range(100))) == list(range(30))
 
 
 def test_an_interruption_after_the_last_frame_is_finished_by_add(summer: Path, tmp_path: Path):

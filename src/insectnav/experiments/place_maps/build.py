@@ -188,6 +188,8 @@ class _Run:
         about, n_before = place_map.about, place_map.n_places
         if n_done == 0 or any(one.features is not None for one in batch):  # the last ones may all be missing
             about.check_same(self._about(batch), "the frames")
+        if self.pictures:  # first, or places whose run is killed here would never have any
+            keep_thumbnails(self.path, n_before, [one.picture for one in batch])
         place_map.add(
             stacked([one.features for one in batch], about.n_features, about.metric),
             times=[one.frame.time for one in batch],
@@ -195,8 +197,6 @@ class _Run:
             names=[one.frame.name for one in batch],
             new_route=n_done == 0 and n_before > 0,
         )
-        if self.pictures:
-            keep_thumbnails(self.path, n_before, [one.picture for one in batch])
         return place_map
 
     def take_back(self) -> None:
