@@ -10,6 +10,7 @@ from insectnav.checks import (
     check_radians,
     check_range,
     check_shape,
+    counted,
     quoted,
 )
 
@@ -170,3 +171,8 @@ def test_a_shape_that_fits_passes(shape, pattern):
 )
 def test_another_shape_is_named(shape, pattern, expected):
     assert sentence(check_shape, "position", np.zeros(shape), pattern) == expected
+
+
+def test_what_is_counted_is_one_or_several():
+    assert [counted(n, "frame") for n in (0, 1, 2)] == ["0 frames", "1 frame", "2 frames"]
+    assert [counted(n, "query has", "queries have") for n in (1, 2)] == ["1 query has", "2 queries have"]

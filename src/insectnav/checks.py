@@ -2,7 +2,7 @@
 
 import difflib
 import numbers
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import EllipsisType
 from typing import Any
 
@@ -26,6 +26,18 @@ def quoted(value: object, limit: int = 40) -> str:
     return repr(text if len(text) <= limit else text[: limit - 1] + "…")
 
 
+def counted(number: int, one: str, many: str = "") -> str:
+    """A number and what is counted, as a person writes it: 1 frame, 2 frames, 1 query.
+
+    Parameters
+    ----------
+    number : int
+    one : word, or words, for one of them
+    many : the same for another number; "" adds an s
+    """
+    return f"{number} {one if number == 1 else many or one + 's'}"
+
+
 def as_numbers(name: str, values: npt.ArrayLike) -> npt.NDArray[Any]:
     """Array of integers or floats, as given; refuses text, booleans and ragged lists."""
     try:
@@ -41,9 +53,21 @@ def check_choice(name: str, value: object, choices: Sequence[str]) -> None:
     """Refuse a value that is none of the choices; suggests the nearest."""
     if isinstance(value, str) and value in choices:
         return
-    near = difflib.get_close_matches(str(value).lower()[:100], choices, n=1)
-    hint = f" (did you mean {near[0]}?)" if near else ""
+    hint = did_you_mean(str(value).lower(), choices)
     raise InputError(f"{name} {quoted(value)} is unknown: expected one of {', '.join(choices)}{hint}")
+
+
+def did_you_mean(word: str, choices: Sequence[str], show: Callable[[str], str] = str) -> str:
+    """The nearest of the choices as the end of a sentence; nothing if none is near.
+
+    Parameters
+    ----------
+    word : what came
+    choices : what is there
+    show : how a choice is written, `quoted` where it is from outside
+    """
+    near = difflib.get_close_matches(word[:100], choices, n=1)
+    return f" (did you mean {show(near[0])}?)" if near else ""
 
 
 def check_count(name: str, value: object, minimum: int = 1) -> None:

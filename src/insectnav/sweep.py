@@ -57,13 +57,21 @@ def simulate_cell(module: str, parameters: dict[str, Any], seed: int, version: s
     ------
     OtherCodeError
         If this machine has another version of the code than the one that asks.
+
+    Notes
+    -----
+    From then on linear algebra takes one thread in this process: products that are shared out to a number of threads
+    have other last digits with each number.
     """
+    from threadpoolctl import threadpool_limits
+
     if code_version() != version:
         raise OtherCodeError(
             f"a worker has insectnav {code_version()}, expected {version} as here: "
             "installed differently there, or edited after it was started?"
         )
     experiment = cast(Any, importlib.import_module(module))
+    threadpool_limits(1)
     return experiment.simulate(experiment.Cell(**parameters), seed)
 
 
@@ -94,6 +102,8 @@ def run_cells(
     InputError
         If a worker has other code, or the workers are lost.
     """
+    from threadpoolctl import threadpool_limits
+
     finished = store.finished()
     if progress is not None:
         progress(len(finished))
@@ -110,12 +120,13 @@ def run_cells(
             future.add_done_callback(lambda _, index=index: done.put(index))
 
     try:
-        hand_out()
-        while running:
-            _keep(done.get(), running, cells, store)
-            if progress is not None:
-                progress(1)
+        with threadpool_limits(1):  # where cells are simulated in this process, its threads are given back
             hand_out()
+            while running:
+                _keep(done.get(), running, cells, store)
+                if progress is not None:
+                    progress(1)
+                hand_out()
     except Exception:
         _keep_rest(done, running, store)
         raise

@@ -2,7 +2,8 @@
 
 import logging
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any
 
@@ -23,6 +24,40 @@ def count_workers(workers: int | None) -> int:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     check_count("workers", workers)
     return workers
+
+
+def run_blocks(
+    task: Callable[[int, int], object],
+    n: int,
+    size: int,
+    workers: int | None = None,
+    progress: Callable[[int], object] | None = None,
+) -> None:
+    """Run ``task(first, last)`` over 0…n in blocks of a size that does not depend on the number of threads.
+
+    Parameters
+    ----------
+    task : what to do with the items from first up to last; compiled code lets other threads run
+    n : number of items
+    size : items in a block
+    workers : threads; None for as many as there are cores
+    progress : called with the number of items finished at a time, in their order
+    """
+    workers = count_workers(workers)
+    blocks = [(first, min(first + size, n)) for first in range(0, n, size)]
+
+    def report(first: int, last: int) -> None:
+        if progress is not None:
+            progress(last - first)
+
+    if workers == 1 or len(blocks) < 2:
+        for block in blocks:
+            task(*block)
+            report(*block)
+        return
+    with ThreadPoolExecutor(min(workers, len(blocks))) as pool:
+        for block, _ in zip(blocks, pool.map(lambda block: task(*block), blocks), strict=True):
+            report(*block)
 
 
 @contextmanager

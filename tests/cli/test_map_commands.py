@@ -144,7 +144,7 @@ def test_only_corrupt_pictures_are_refused_and_nothing_is_left(run, walk: Path):
         (["map", "build", "summer", "m", "--time-offset", "nan"], "time-offset is nan, expected"),
         (["map", "build", "summer", "m", "--metric", "hamming"], "expected cosine with patch-normalised"),
         (["map", "build", "summer", "route", "--add", "--descriptor", "retinotopic"], "--descriptor is 'retinotopic'"),
-        (["map", "locate", "nowhere", "winter"], "nowhere"),
+        (["map", "locate", "nowhere", "winter"], "'nowhere' does not exist, expected the folder of a map"),
         (["map", "locate", "summer", "winter"], "summer"),
         (["map", "locate", "route", "winter", "--camera", "panorama"], "--camera is 'panorama', expected 'ahead' as"),
         (["map", "locate", "route", "winter", "--sky", "otsu"], "--sky is 'otsu', expected 'none' as the map"),
@@ -168,7 +168,8 @@ def test_only_corrupt_pictures_are_refused_and_nothing_is_left(run, walk: Path):
         (["map", "evaluate", "route"], "is a map, expected frames after it"),
         (["map", "evaluate", "t.csv", "--same-index"], "lacks the columns query, reference, score"),
         (["map", "evaluate", "gone.csv", "--same-index"], "'gone.csv' does not exist"),
-        (["map", "info", "winter"], "winter"),
+        (["map", "info", "winter"], "'winter' is no map of places: it has no file map.json"),
+        (["map", "info", "rout"], "'rout' does not exist, expected the folder of a map (did you mean 'route'?)"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_done_is_said_in_one_sentence(run, walk: Path, arguments: list[str], words: str):
@@ -267,15 +268,20 @@ def test_skies_and_turned_views_through_cameras(run, walk: Path):
 
 @pytest.mark.slow
 def test_skies_after_any_rotation(run, walk: Path):
-    skies = skylines()[::8]
+    skies = skylines()[::4]
     write_pictures(walk / "up", np.stack([sky_disk(one) for one in skies]))
     write_pictures(walk / "turned", np.stack([sky_disk(one, turn_deg=40.0) for one in skies]))
+    (walk / "turned" / "frame3.png").write_bytes(b"no picture")
     options = ("--camera", "fisheye:180", "--sky", "mask", "--descriptor", "rotations")
     assert run("map", "build", "up", "rot", *options).code == 0
-    found = strict(run("map", "locate", "rot", "turned", "--same-index", "--out", "rot.csv", "--json").out)
-    assert found["numbers"]["precision_of_all"] == 1.0
-    angles = np.array([[row["heading_deg"], row["pitch_deg"], row["roll_deg"]] for row in found["matches"]])
-    assert np.abs(angles - [40.0, 0.0, 0.0]).max() < 2.0
+    for length, matched in (("1", [0, 1, 2, 4, 5, 6, 7, 8, 9]), ("4", [2, 3, 4, 5, 6, 7])):
+        of_length = ("--sequence-length", length, "--unique-window", "2", "--out", f"{length}.csv")
+        rows = strict(run("map", "locate", "rot", "turned", *of_length, "--json").out)["matches"]
+        assert {row["query"]: row["reference"] for row in rows if row["reference"] >= 0} == {k: k for k in matched}
+        seen = [row for row in rows if row["reference"] >= 0 and row["query"] != 3]  # the missing one in a sequence
+        angles = np.array([[row["heading_deg"], row["pitch_deg"], row["roll_deg"]] for row in seen])
+        assert np.abs(angles - [40.0, 0.0, 0.0]).max() < 2.0
+        assert all(row["heading_deg"] is None for row in rows if row not in seen)
 
 
 def test_single_panoramas_after_any_turn(run, walk: Path):

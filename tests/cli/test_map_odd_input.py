@@ -1,5 +1,6 @@
 """`insectnav map` with tables from spreadsheets, patterns, steps and frames that tell nothing."""
 
+import sqlite3
 from pathlib import Path
 
 import cv2
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 
 from command_line import assert_refused, in_process, strict, table
-from place_scenes import N_FRAMES, two_seasons
+from place_scenes import N_FRAMES, robot_recording, two_seasons, views
 
 MATCHES = "query,name,reference,reference_name,route,score,has_sequence\n"
 
@@ -110,7 +111,7 @@ def test_a_blank_picture_has_no_match_of_single_frames_either(run, walk: Path):
     found = strict(run(*located).out)
     assert [row["query"] for row in found["matches"] if row["reference"] < 0] == [7]
     assert found["numbers"]["precision_of_all"] == 1.0
-    assert "1 more queries have no match: too many frames missing, or nothing tells places apart" in found["notes"]
+    assert "1 more query has no match: too many frames missing, or nothing tells places apart" in found["notes"]
 
 
 def test_a_match_is_not_unique_where_every_place_counts_as_the_same(run, walk: Path):
@@ -118,3 +119,25 @@ def test_a_match_is_not_unique_where_every_place_counts_as_the_same(run, walk: P
     located = ("map", "locate", "route", "winter", "--sequence-length", "1", "--unique-window", "1000")
     found = strict(run(*located, "--out", "m.csv", "--json").out)
     assert {row["score"] for row in found["matches"]} == {1.0}
+
+
+def test_a_damaged_picture_of_a_robot_is_a_missing_frame_with_its_name(run, walk: Path):
+    path = robot_recording(walk, views())
+    with sqlite3.connect(next(path.glob("*.db3"))) as store:
+        pictures = "WHERE topic_id = (SELECT id FROM topics WHERE name = '/camera') ORDER BY timestamp"
+        ids = [row[0] for row in store.execute(f"SELECT id FROM messages {pictures}")]
+        store.execute("UPDATE messages SET data = substr(data, 1, 30) WHERE id = ?", (ids[20],))
+    built = run("map", "build", "robot", "route", "--positions", "robot")
+    assert built.code == 0
+    assert f"{N_FRAMES} frames in" in built.out
+    assert "1 of them missing" in built.out
+    assert "note: missing frame robot_000020: message 20 of '/camera' in 'robot' cannot be decoded" in built.out
+    assert f"positions of {N_FRAMES - 1} places" in built.out
+    found = strict(run("map", "locate", "route", "robot", "--same-index", "--out", "m.csv", "--json").out)
+    assert found["numbers"]["precision_of_all"] == 1.0
+    assert len(found["matches"]) == N_FRAMES
+    for one in ids:
+        with sqlite3.connect(next(path.glob("*.db3"))) as store:
+            store.execute("UPDATE messages SET data = substr(data, 1, 30) WHERE id = ?", (one,))
+    words = "no frame can be used, robot_000000: message 0 of '/camera' in 'robot' cannot be decoded"
+    assert_refused(run("map", "build", "robot", "new"), words)

@@ -78,6 +78,36 @@ def test_sentences_without_a_fix_are_left_out_and_counted():
     assert track.notes == ("sentences left out, no fix: 6",)
 
 
+@pytest.mark.parametrize("day", ["060180", "", "010100", "220899"])
+def test_date_and_time_that_a_receiver_starts_with_are_not_taken(day: str):
+    """As of one that counts from its epoch until it has found its satellites; its fixes here come without a date."""
+    start = rmc("235943", day, status="V") + gga("235943", quality="0")
+    log = start + gga("100000") + gga("100001") + rmc("100002") + rmc("235944", day, status="V") + gga("100003")
+    np.testing.assert_array_equal(parse_nmea(log).time, seconds(2020, 1, 14, 10) + np.arange(4))
+    assert np.isnan(parse_nmea(start + gga("100000")).time).all()
+    assert "no date" in parse_nmea(start + gga("100000")).notes[-1]
+
+
+def test_a_date_of_zda_is_not_taken_in_a_moment_without_a_fix():
+    start = rmc("000012", "060180", status="V") + sentence("GPZDA,000012,06,01,1980,00,00") + gga("000012", quality="0")
+    assert np.isnan(parse_nmea(start + gga("100000")).time).all()
+    assert parse_nmea(start + gga("100000") + rmc("100001")).time[0] == seconds(2020, 1, 14, 10)
+
+
+def test_a_place_of_a_sentence_that_is_void_is_not_taken():
+    """Some receivers repeat the last place that they knew."""
+    track = parse_nmea(rmc("100000") + rmc("100001", latitude="5200.0000,N", status="V") + rmc("100002"))
+    np.testing.assert_array_equal(track.latitude_deg, [51.0, 51.0])
+    np.testing.assert_array_equal(track.time, seconds(2020, 1, 14, 10) + np.array([0, 2]))
+
+
+@pytest.mark.parametrize("day", ["060180", "", "140120"])
+def test_a_log_without_any_fix_is_refused_in_a_sentence(day: str):
+    log = NO_FIX + rmc("100000", day, status="V") + rmc("100001", day, mode="N") + gga("100001", quality="0")
+    with pytest.raises(InputError, match=r"^in all of 5 sentences RMC and GGA the receiver says that it has no fix"):
+        parse_nmea(log)
+
+
 def test_order_within_a_moment_does_not_matter():
     one, other = parse_nmea(gga("120000.00") + rmc("120000.00")), parse_nmea(rmc("120000.00") + gga("120000.00"))
     for track in (one, other):
@@ -170,7 +200,7 @@ def test_impossible_times_of_day_are_left_out(clock: str):
     [
         ("", "no sentence at all"),
         ("$GPGSV,1,1,00*79\n$GPVTG,,,,,,,,,N*30\n", "among GSV, VTG"),
-        (NO_FIX, "none of 2 sentences holds a usable fix .2 no fix"),
+        (NO_FIX, "in all of 2 sentences RMC and GGA the receiver says that it has no fix"),
         (rmc("120000").replace("5100", "5101"), "1 wrong checksum"),
     ],
 )

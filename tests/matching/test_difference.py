@@ -90,6 +90,28 @@ def test_cosine_does_not_see_the_unit(magnitude, n_features):
     assert_allclose(difference_matrix(*magnitude * frames), difference_matrix(*frames), rtol=1e-5)
 
 
+@pytest.mark.parametrize("n_features", [512, 513, 1500])
+@pytest.mark.parametrize("magnitude", [1e-36, 1e-25, 1e-10, 1e14, 1e16, 1e18, 1e19, 1e30, 1e36])
+def test_euclidean_distances_do_not_see_the_unit(magnitude, n_features):
+    """A power of 2 as the unit changes no bit where single precision has room for the distances."""
+    rng = np.random.default_rng(n_features)
+    frames, unit = rng.normal(size=(2, 9, n_features)) + 3.0, 2.0 ** round(np.log2(magnitude))
+    usual = difference_matrix(*frames, "euclidean")
+    found = difference_matrix(*(unit * frames), "euclidean")
+    assert_array_equal(found, (unit * usual.astype(float)).astype(np.float32))
+    assert_allclose(usual, plain(*frames, "euclidean"), rtol=1e-6)
+
+
+@pytest.mark.parametrize("n_features", [37, 600])
+@pytest.mark.parametrize("metric", ["euclidean", "absolute", "openseqslam-v1"])
+def test_differences_beyond_single_precision_are_refused(metric, n_features):
+    frames = np.random.default_rng(0).normal(size=(2, 9, n_features))
+    with pytest.raises(InputError, match=f"^a difference by {metric} is beyond 3e38, or 1e18 times"):
+        difference_matrix(1e150 * frames[0], 1e150 * frames[1], metric)
+    with pytest.raises(InputError, match=f"^a difference by {metric} is beyond 3e38, or 1e18 times"):
+        difference_matrix(frames[0], 1e150 * frames[1], metric)
+
+
 @pytest.mark.parametrize("magnitude", [1e-25, 1e25])
 def test_distances_need_no_room_for_their_squares(magnitude):
     references, queries = (x * magnitude for x in REAL)

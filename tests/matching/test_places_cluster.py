@@ -80,4 +80,4 @@ def test_a_worker_that_sees_another_map_or_version_says_so(made):
     told = refused(lambda: shard_lines(str(made.path), "places-00000000", "0.0", *given))
     assert told == f"a worker has insectnav {__version__}, expected 0.0 as where the search was started"
     told = refused(lambda: shard_lines("/nowhere", "places-00000000", __version__, *given))
-    assert told.startswith("'/nowhere' is no map of places")
+    assert told.startswith("'/nowhere' does not exist, expected the folder of a map")

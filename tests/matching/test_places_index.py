@@ -207,6 +207,11 @@ def test_an_index_lists_each_place_once():
     assert np.abs(listed - route[values["places"]]).max() < span.max() / 255 * 1.01 + 1e-3 * span.max()
 
 
+def test_a_small_map_is_frozen_without_a_word_on_the_terminal(tmp_path, capfd):
+    frozen(tmp_path / "map", route=ROUTE[:5], n_routes=1)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_start_at_the_end_of_a_route_is_proposed_once():
     """Windows of one place: starts 3 (the last of route 0), 8 and 5 have three, two and one vote."""
     places = np.array([[3, 8, 5], [3, 8, -1], [3, -1, -1]])

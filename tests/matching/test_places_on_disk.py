@@ -305,13 +305,21 @@ def test_a_map_file_that_says_something_else_is_refused(tmp_path, change, senten
     assert sentence in damaged(tmp_path / "map")
 
 
+def test_a_folder_that_is_not_there_is_said_so_with_the_map_that_is_meant(tmp_path):
+    assert damaged(tmp_path / "far" / "gone") == f"'{tmp_path}/far/gone' does not exist, expected the folder of a map"
+    PlaceMap.build(tmp_path / "meadow", ROUTE, ABOUT)
+    (tmp_path / "meadows").mkdir()  # which is no map, though nearer
+    assert damaged(tmp_path / "medows").endswith("expected the folder of a map (did you mean 'meadow'?)")
+    assert damaged(tmp_path / "wood").endswith("does not exist, expected the folder of a map")
+
+
 def test_folders_of_others_are_refused(tmp_path):
     import zarr
 
     assert damaged(tmp_path).endswith("is no map of places: it has no file map.json")
-    assert "is no map of places" in damaged(tmp_path / "nothing")
     (tmp_path / "file").write_text("x")
-    assert "is no map of places" in damaged(tmp_path / "file")
+    assert damaged(tmp_path / "file").endswith("is no map of places: it is a file, expected the folder of a map")
+    assert damaged(tmp_path / "file" / "below").endswith("does not exist, expected the folder of a map")
     zarr.create_group(tmp_path / "plain.zarr").create_array("descriptors", data=ROUTE)
     assert "is no map of places" in damaged(tmp_path / "plain.zarr")
     PlaceMap.build(tmp_path / "map", ROUTE, ABOUT).add(ROUTE)

@@ -338,3 +338,30 @@ def test_a_reference_that_shares_too_little_is_the_most_different():
     )
     _, differences = apart.match_and_compare(LEVEL[0], SEEN)
     assert_allclose(differences, [0.0, 1.0], atol=1e-6)
+
+
+def test_a_part_of_the_references_gives_what_these_give():
+    truth = rotation_matrix(1.1, 0.4, 0.2)
+    view = query(3, truth)
+    whole, part = INDEX.match(view, SEEN), INDEX.part([5, 3, 1]).match(view, SEEN)
+    assert part.reference == 1
+    assert_array_equal(part.rotation, whole.rotation)
+    assert_array_equal(part.score, whole.score)
+    alone = INDEX.part(np.array([2])).match(view, SEEN)
+    assert (alone.reference, alone.runner_up) == (0, -1)
+    assert_same(alone, build_rotation_index(LEVEL[2:3], SEEN, GRID, PARAMS).match(view, SEEN))
+
+
+@pytest.mark.parametrize(
+    ("references", "sentence"),
+    [
+        ([], r"references have shape \(0,\) and type float64, expected some whole numbers"),
+        ([0.5], r"references have shape \(1,\) and type float64, expected some whole numbers"),
+        ([[1]], r"references have shape \(1, 1\)"),
+        ([2, 6], "references"),
+        ([-1], "references"),
+    ],
+)
+def test_a_part_of_what_is_not_there_is_refused(references, sentence):
+    with pytest.raises(InputError, match=sentence):
+        INDEX.part(references)

@@ -9,6 +9,7 @@ from typing import Any
 
 import psutil
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from insectnav.checks import InputError
 from insectnav.experiments.experiment import code_version
@@ -100,6 +101,24 @@ def test_seed_changes_the_numbers():
     cell, version = {"purpose": "p", "is_even": True, "level": 0.0}, code_version()
     one, same, other = (simulate_cell("slow_paper.fig_1", cell, seed, version)["mean"][1] for seed in (1, 1, 2))
     assert one == same != other
+
+
+def test_linear_algebra_of_cells_takes_one_thread_and_gives_the_others_back(tmp_path: Path, monkeypatch):
+    seen, cells = [], some_cells("nothing", "nothing")
+    simulate = fig_1.simulate
+    monkeypatch.setattr(fig_1, "simulate", lambda cell, seed: (seen.extend(threads()), simulate(cell, seed))[1])
+
+    def threads() -> list[int]:
+        return [library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"]
+
+    with threadpool_limits(2):
+        before = threads()
+        assert set(before) == {2}
+        with executor(workers=1) as on:
+            run_cells(fig_1, cells, 0, CellStore(tmp_path, cells, {}), on)
+        assert threads() == before
+    assert seen
+    assert set(seen) == {1}
 
 
 def test_no_more_cells_are_handed_out_than_fit_the_window(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -1,7 +1,6 @@
 """Trials in batches, from arrays to arrays, on all cores."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -26,7 +25,7 @@ from insectnav.checks import (
 )
 from insectnav.lanes import LANES
 from insectnav.rng import trial_streams
-from insectnav.workers import count_workers
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 BLOCKS_PER_TASK = 4  # small enough to keep all cores busy until the end
@@ -129,19 +128,14 @@ def simulate_trials(
         seed=params.seed,
     )
 
-    def run_task(first: int) -> int:
-        last, work = min(first + BLOCKS_PER_TASK * LANES, n_trials), new_workspace(dtype)
+    def run_task(first: int, last: int) -> None:
+        work = new_workspace(dtype)
         own_circuit, notebook = own_weights(circuit, disturbances), new_notebook(disturbances, dtype)
         run_trials_kernel(
             first, last, heading, velocity, streams, own_circuit, motion, disturbances, work, notebook, results
         )
-        return last - first
 
-    tasks = range(0, n_trials, BLOCKS_PER_TASK * LANES)
-    with ThreadPoolExecutor(min(count_workers(workers), len(tasks))) as pool:
-        for n_finished in pool.map(run_task, tasks):
-            if progress is not None:
-                progress(n_finished)
+    run_blocks(run_task, n_trials, BLOCKS_PER_TASK * LANES, workers, progress)
     return results
 
 

@@ -11,6 +11,13 @@ import typer
 from insectnav.checks import InputError, quoted
 from insectnav.cli import map_options
 from insectnav.cli.experiment_commands import RunInterruptedError
+from insectnav.cli.map_idle_options import (
+    refuse_idle,
+    with_a_map_to_evaluate,
+    with_a_table,
+    without_a_page,
+    without_what_they_need,
+)
 from insectnav.cli.map_words import built_in_words, evaluated_in_words, info_in_words, located_in_words
 from insectnav.cli.option_tables import TEXTS, with_table
 from insectnav.cli.progress import progress_bar
@@ -36,6 +43,7 @@ def build(**given: Any) -> None:
     from insectnav.experiments.results import to_json
 
     gc.enable()  # which `program` turns off; a map may be large
+    refuse_idle(given, without_what_they_need(given))
     params = BuildParams(frames=_frame_params(given), adds=given["add"], freezes=given["freeze"])
     frames, folder = given["frames"], given["map_folder"]
     try:
@@ -58,6 +66,8 @@ def locate(**given: Any) -> None:
     frames = given["frames"]
     usual = f"out/locate-{_word_of(frames[0])}"
     places = Destinations.given(given["out"], given["page"], given["out_dir"], usual)
+    has_page = places.page is not None or places.folder is not None
+    refuse_idle(given, {**without_what_they_need(given), **without_a_page(has_page)})
     place_map = PlaceMap.open(given["map_folder"])
     params = locate_params(given)
     search = _searched(place_map, frames, params)
@@ -77,7 +87,7 @@ def evaluate(**given: Any) -> None:
     from insectnav.matching.places import PlaceMap
 
     gc.enable()
-    first, frames, params = given["matches_or_map"], given["frames"] or [], locate_params(given)
+    first, frames = given["matches_or_map"], given["frames"] or []
     if not Path(first).exists():
         raise InputError(f"{quoted(first, 200)} does not exist, expected a table of matches or a map")
     if Path(first).is_dir():
@@ -85,12 +95,14 @@ def evaluate(**given: Any) -> None:
             raise InputError(
                 f"{quoted(first, 200)} is a map, expected frames after it, or a table of matches in its place"
             )
-        place_map = PlaceMap.open(first)
+        refuse_idle(given, {**without_what_they_need(given), **with_a_map_to_evaluate(given)})
+        params, place_map = locate_params(given), PlaceMap.open(first)
         result = evaluate_search(_searched(place_map, frames, params), params, place_map)
     else:
         if frames:
             raise InputError(f"{quoted(first, 200)} is a table of matches, expected no frames after it")
-        result = evaluate_table(first, params, given["map"])
+        refuse_idle(given, {**without_what_they_need(given), **with_a_table(given)})
+        result = evaluate_table(first, locate_params(given), given["map"])
     print(to_json(result) if given["json"] else evaluated_in_words(result))
 
 

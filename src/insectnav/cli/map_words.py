@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from insectnav.checks import counted
+
 MOST_NOTES = 10  # told one by one
 
 
@@ -10,7 +12,8 @@ def built_in_words(result: Mapping[str, Any]) -> str:
     """What a person wants to know of a map just built."""
     earlier = result["frames_from_earlier_run"]
     lines = [
-        f"{result['frames']} frames in {result['seconds']:.1f} s ({result['frames_per_second']:.0f} a second)"
+        f"{counted(result['frames'], 'frame')} in {result['seconds']:.1f} s "
+        f"({result['frames_per_second']:.0f} a second)"
         + (f", {earlier} more from an earlier run" if earlier else "")
         + (f", {result['missing']} of them missing" if result["missing"] else ""),
         *_facts(result),
@@ -48,11 +51,10 @@ def evaluated_in_words(result: Mapping[str, Any]) -> str:
 def _facts(result: Mapping[str, Any]) -> list[str]:
     settings = ", ".join(f"{name} {value}" for name, value in result["settings"].items())
     camera = f", camera {result['camera']}" if result["camera"] else ""
-    routes = "1 route" if result["routes"] == 1 else f"{result['routes']} routes"
     lines = [
-        f"{result['map']}: {result['places']} places on {routes}, {result['bytes'] / 1e6:.1f} MB"
-        + (", frozen" if result["is_frozen"] else ""),
-        f"described by {result['descriptor']} ({result['features']} features, {result['metric']}){camera}"
+        f"{result['map']}: {counted(result['places'], 'place')} on {counted(result['routes'], 'route')}, "
+        f"{result['bytes'] / 1e6:.1f} MB" + (", frozen" if result["is_frozen"] else ""),
+        f"described by {result['descriptor']} ({counted(result['features'], 'feature')}, {result['metric']}){camera}"
         + (f"; {settings}" if settings else ""),
     ]
     if result["with_position"]:
@@ -62,9 +64,9 @@ def _facts(result: Mapping[str, Any]) -> list[str]:
         origin = ""
         if result["origin_deg"] is not None:
             origin = ", from latitude {:.5f}°, longitude {:.5f}°".format(*result["origin_deg"])
-        lines.append(f"positions of {result['with_position']} places{length}{origin}")
+        lines.append(f"positions of {counted(result['with_position'], 'place')}{length}{origin}")
     if result["with_time"]:
-        lines.append(f"times of {result['with_time']} places")
+        lines.append(f"times of {counted(result['with_time'], 'place')}")
     return lines
 
 
@@ -99,4 +101,5 @@ def _notes(notes: Sequence[str]) -> list[str]:
 def _skipped(skipped: Sequence[Mapping[str, str]]) -> list[str]:
     if not skipped:
         return []
-    return [f"skipped {len(skipped)} files that are no frames, such as {skipped[0]['name']} ({skipped[0]['reason']})"]
+    files = counted(len(skipped), "file that is no frame", "files that are no frames")
+    return [f"skipped {files}, such as {skipped[0]['name']} ({skipped[0]['reason']})"]

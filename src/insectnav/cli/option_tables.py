@@ -29,7 +29,7 @@ def with_table(
     for name, kind, about, usual, metavar in options:
         text = f"{about} [default: {usual}]." if usual else f"{about}."
         option = typer.Option(name, help=text, metavar=metavar)
-        parameters.append(_parameter(_field(name), kind, option, False if kind is FLAG else None))
+        parameters.append(_parameter(field_of(name), kind, option, False if kind is FLAG else None))
     setattr(command, "__signature__", inspect.Signature(parameters))  # noqa: B010  which mypy does not know of
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return command
@@ -40,7 +40,8 @@ def _default_of(kind: Any) -> Any:
     return None if kind in (TEXT, TEXTS) else inspect.Parameter.empty
 
 
-def _field(option: str) -> str:
+def field_of(option: str) -> str:
+    """Keyword of an option, as time_offset of --time-offset."""
     return option.removeprefix("--").replace("-", "_")
 
 

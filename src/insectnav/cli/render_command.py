@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from insectnav.checks import InputError, quoted
+from insectnav.checks import InputError, counted, quoted
 from insectnav.cli.experiment_commands import RunInterruptedError
 from insectnav.cli.progress import progress_bar
 from insectnav.cli.render_options import with_options
@@ -176,10 +176,9 @@ def _in_words(plan: "Plan", result: Mapping[str, Any], notes: list[str]) -> str:
     """What a person wants to know of the frames."""
     rows, columns = plan.camera.size
     n, n_kept = len(plan.poses), result["frames_from_earlier_run"]
-    frames = "1 frame" if n == 1 else f"{n} frames"
     kept = f", {n_kept} of them from an earlier run" if n_kept else ""
     lines = [
-        f"{plan.place.name}: {frames} of {columns} × {rows} pixels in {result['seconds']:.1f} s{kept}",
+        f"{plan.place.name}: {counted(n, 'frame')} of {columns} × {rows} pixels in {result['seconds']:.1f} s{kept}",
         f"pictures: {', '.join(plan.names)}",
         f"poses and light: {result['folder']}/frames.csv; to look at: {result['folder']}/contact_sheet.png",
     ]

@@ -33,6 +33,7 @@ class _Epoch:
     day: date | None = None
     place: tuple[float, float] | None = None
     height: float = float("nan")
+    is_void: bool = False  # whether the receiver said that it had no fix
 
 
 @dataclass(kw_only=True)
@@ -62,12 +63,13 @@ def parse_nmea(text: str, first_day: date | None = None) -> GpsTrack:
         If no sentence holds a fix.
     """
     log = _read(text)
-    fixes = [epoch for epoch in log.epochs if epoch.place is not None]
+    epochs = [epoch for epoch in log.epochs if epoch.place is not None or not epoch.is_void]
+    fixes = [epoch for epoch in epochs if epoch.place is not None]
     if not fixes:
         _refuse(log)
-    days = _days(log.epochs, first_day)
-    time = np.array([epoch.clock + day for epoch, day in zip(log.epochs, days, strict=True)], float)
-    time = time[[epoch.place is not None for epoch in log.epochs]]
+    days = _days(epochs, first_day)
+    time = np.array([epoch.clock + day for epoch, day in zip(epochs, days, strict=True)], float)
+    time = time[[epoch.place is not None for epoch in epochs]]
     notes = [f"sentences left out, {reason}: {count}" for reason, count in sorted(log.counts.items())]
     if not log.has_checksums:
         notes.append("the sentences have no checksums: damage goes unnoticed")
@@ -121,16 +123,21 @@ def _sentences(text: str, log: _Log) -> Iterator[str]:
 
 
 def _add(log: _Log, message: Any) -> None:
-    """Add what a sentence says to the epoch of its time of day."""
+    """Add what a sentence says to the epoch of its time of day.
+
+    Without a fix, date and time may be those that a receiver starts with, such as 6 January 1980.
+    """
     clock = _clock(message.data[0] if message.data else "")
     kind = message.sentence_type
     is_fix = kind != "ZDA" and _is_fix(message)
-    if clock is not None and kind in ("RMC", "ZDA"):
+    if clock is not None and (kind == "ZDA" or (kind == "RMC" and is_fix)):
         day = _day(message)
         epoch = _epoch(log, clock, day)
         epoch.day = day or epoch.day
     if kind == "ZDA":
         return
+    if clock is not None and not is_fix:
+        _epoch(log, clock).is_void = True
     place = _place(message.lat, message.lat_dir, message.lon, message.lon_dir) if is_fix else None
     if clock is None or place is None:
         log.counts["a fix without time or place" if is_fix else "no fix"] += 1
@@ -211,6 +218,11 @@ def _midnight(day: date | None) -> float:
 
 
 def _refuse(log: _Log) -> NoReturn:
+    if set(log.counts) == {"no fix"}:
+        raise InputError(
+            f"in all of {log.counts['no fix']} sentences RMC and GGA the receiver says that it has no fix (status V, "
+            "quality 0), expected positions: recorded indoors, or before it had found its satellites?"
+        )
     reasons = ", ".join(f"{count} {reason}" for reason, count in log.counts.most_common(3) if count)
     if reasons:
         raise InputError(f"none of {sum(log.kinds.values())} sentences holds a usable fix ({reasons}), expected some")

@@ -113,7 +113,7 @@ def read_positions(
         One sentence that names the file, the row of a table as a spreadsheet shows it, and the likely slip.
     """
     path = Path(path)
-    if _is_gps(path):
+    if is_gps(path):
         return gps_positions(read_gps(path, first_day=first_day), origin_deg)
     try:
         return _table_positions(path, columns, origin_deg)
@@ -228,7 +228,7 @@ def _looked_up(positions: Positions, wanted: Sequence[Any], known: Sequence[Any]
     return np.where((rows >= 0)[:, None], positions.position[rows], np.nan)
 
 
-def _is_gps(path: Path) -> bool:
+def is_gps(path: Path) -> bool:
     """Whether a file is GPX or NMEA by its beginning; what cannot be read is left to the reader of tables to refuse."""
     try:
         with path.open("rb") as file:

@@ -4,9 +4,10 @@ Of the messages in a bag only the five types below are decoded, by the definitio
 that a bag brings along are not compiled.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_choice, quoted
 from insectnav.datasets.bag_pictures import picture_of
-from insectnav.datasets.bounded_chunks import bound_chunks, refuse_compression
+from insectnav.datasets.bounded_chunks import bound_chunks, unpacked_folder, unpacker_of_messages
 from insectnav.datasets.gps import local_plane
 from insectnav.datasets.gps_track import MAX_FIXES
 from insectnav.datasets.positions import Positions
@@ -69,10 +70,49 @@ def bag_images(
     InputError
         If it is no bag, the topic is not there or not alone, or a picture cannot be decoded.
     """
+    for frame in bag_frames(path, topic, clock=clock):
+        yield frame.time, frame.read()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BagFrame:
+    """A picture of a bag that is still to be decoded.
+
+    Parameters
+    ----------
+    time : [s]; NaN where the message that holds it cannot be decoded
+    read : gives the picture as `bag_images` does; raises InputError where it is damaged
+    """
+
+    time: float
+    read: Callable[[], NDArray[Any]]
+
+
+def bag_frames(path: str | PathLike[str], topic: str | None = None, *, clock: str = "stamp") -> Iterator[BagFrame]:
+    """Images in order of the bag, of which a damaged one does not end those that follow.
+
+    Parameters
+    ----------
+    path, topic, clock : as of `bag_images`
+
+    Raises
+    ------
+    InputError
+        If it is no bag, is damaged but for the messages in it, or the topic is not there or not alone.
+    """
     check_choice("clock", clock, CLOCKS)
     with _opened(Path(path)) as bag:
-        for time, message, name in bag.messages(topic, IMAGES, "pictures", clock):
-            yield time, picture_of(message, name)
+        for sealed in bag.sealed_messages(topic, IMAGES, "pictures"):
+            try:
+                message = sealed.open()
+            except InputError as error:
+                yield BagFrame(time=sealed.arrival if clock == "bag" else np.nan, read=partial(_refuse, str(error)))
+            else:
+                yield BagFrame(time=sealed.time(message, clock), read=partial(picture_of, message, sealed.name))
+
+
+def _refuse(sentence: str) -> NDArray[Any]:
+    raise InputError(sentence)
 
 
 def bag_positions(
@@ -103,7 +143,9 @@ def bag_positions(
     n_without = 0
     is_global = False
     with _opened(Path(path)) as bag:
-        for time, message, _ in bag.messages(topic, PLACES, "positions", clock):
+        for sealed in bag.sealed_messages(topic, PLACES, "positions"):
+            message = sealed.open()
+            time = sealed.time(message, clock)
             is_global = hasattr(message, "latitude")
             place = _place(message)
             if place is None:
@@ -137,11 +179,40 @@ def _place(message: Any) -> tuple[float, float, float] | None:
     return place if np.isfinite(place[:2]).all() else None
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sealed:
+    """A message as it is stored, its name in a sentence, and when it arrived [s]."""
+
+    data: bytes
+    name: str
+    arrival: float
+    decode: Callable[[bytes], Any]
+
+    def open(self) -> Any:
+        """The message decoded; InputError where it is damaged."""
+        if len(self.data) > MAX_MESSAGE:
+            raise InputError(f"{self.name} has {len(self.data)} bytes, expected at most {MAX_MESSAGE}")
+        try:
+            return self.decode(self.data)
+        except InputError as error:
+            raise InputError(f"{self.name} {error}") from None
+        except Exception as error:  # damage makes rosbags raise errors of many classes
+            raise InputError(f"{self.name} cannot be decoded ({_reason(error)}): damaged?") from error
+
+    def time(self, message: Any, clock: str) -> float:
+        """When it was sent, or arrived [s]."""
+        stamp = message.header.stamp
+        if clock == "stamp" and stamp.sec == 0 and stamp.nanosec == 0:
+            raise InputError(f'{self.name} has no time stamp, expected one: clock="bag" takes the time of its arrival')
+        return float(stamp.sec + stamp.nanosec * 1e-9) if clock == "stamp" else self.arrival
+
+
 class _Bag:
     """An open bag."""
 
     def __init__(self, reader: Any, store: Any, is_first: bool, name: str) -> None:
         self._reader, self._store, self._is_first, self._name = reader, store, is_first, name
+        self._unpack = bytes if is_first else unpacker_of_messages(reader)
 
     def topics(self, kinds: tuple[str, ...]) -> list[BagTopic]:
         """Topics of the given kinds of messages."""
@@ -151,24 +222,23 @@ class _Bag:
             counts[key] = counts.get(key, 0) + connection.msgcount
         return [BagTopic(name=name, kind=kind, n_messages=count) for (name, kind), count in counts.items()]
 
-    def messages(
-        self, topic: str | None, kinds: tuple[str, ...], word: str, clock: str
-    ) -> Iterator[tuple[float, Any, str]]:
-        """Time [s], decoded message and its name in a sentence."""
+    def sealed_messages(self, topic: str | None, kinds: tuple[str, ...], word: str) -> Iterator[_Sealed]:
+        """Messages of a topic as they are stored."""
         chosen = self._choose(topic, kinds, word)
         connections = [connection for connection in self._connections(kinds) if connection.topic == chosen]
         for connection in connections:
             self._check_definition(connection)
-        decode = self._store.deserialize_ros1 if self._is_first else self._store.deserialize_cdr
         for number, (connection, arrival, data) in enumerate(self._reader.messages(connections)):
-            name = f"message {number} of {quoted(chosen)} in {self._name}"
-            if len(data) > MAX_MESSAGE:
-                raise InputError(f"{name} has {len(data)} bytes, expected at most {MAX_MESSAGE}")
-            message = decode(data, connection.msgtype)
-            stamp = message.header.stamp
-            if clock == "stamp" and stamp.sec == 0 and stamp.nanosec == 0:
-                raise InputError(f'{name} has no time stamp, expected one: clock="bag" takes the time of its arrival')
-            yield (stamp.sec + stamp.nanosec * 1e-9 if clock == "stamp" else arrival * 1e-9), message, name
+            yield _Sealed(
+                data=data,
+                name=f"message {number} of {quoted(chosen)} in {self._name}",
+                arrival=arrival * 1e-9,
+                decode=partial(self._decoded, connection.msgtype),
+            )
+
+    def _decoded(self, kind: str, data: bytes) -> Any:
+        decode = self._store.deserialize_ros1 if self._is_first else self._store.deserialize_cdr
+        return decode(self._unpack(data), kind)
 
     def _connections(self, kinds: tuple[str, ...]) -> list[Any]:
         return [connection for connection in self._reader.connections if connection.msgtype in kinds]
@@ -215,14 +285,21 @@ def _opened(path: Path) -> Iterator[_Bag]:
     is_first = path.suffix == ".bag" and path.is_file()
     store = get_typestore(Stores.ROS1_NOETIC if is_first else Stores.LATEST)
     try:
-        if not is_first:
-            refuse_compression(path, name)
-        with rosbag1.Reader(path) if is_first else rosbag2.Reader(path) as reader:
+        with ExitStack() as stack:
+            reader: Any
             if is_first:
+                reader = stack.enter_context(rosbag1.Reader(path))
                 bound_chunks(reader)
+            else:
+                reader = stack.enter_context(rosbag2.Reader(stack.enter_context(unpacked_folder(path, name))))
             yield _Bag(reader, store, is_first, name)
     except InputError:
         raise
     except Exception as error:  # damage makes rosbags, SQLite and the unpackers raise errors of a dozen classes
-        why = " ".join(str(error).split())[:160] or type(error).__name__
-        raise InputError(f"{name} cannot be read as a bag of ROS ({why}): damaged, or another kind of file?") from error
+        raise InputError(
+            f"{name} cannot be read as a bag of ROS ({_reason(error)}): damaged, or another kind of file?"
+        ) from error
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(str(error).split())[:160] or type(error).__name__

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from string import ascii_lowercase
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -59,6 +60,12 @@ def journal_style() -> Any:
 def name_panel(axes: Axes, letter: str, title: str = "") -> None:
     """Head a panel with the letter that the caption names it by, in bold, and a title."""
     axes.set_title(f"$\\mathbf{{{letter}}}$  {title}".rstrip(), loc="left")
+
+
+def letter_panels(panels: Iterable[Axes]) -> None:
+    """Head panels with a, b, c and so on, in their order."""
+    for letter, axes in zip(ascii_lowercase, panels, strict=False):
+        name_panel(axes, letter)
 
 
 def save_figure(figure: Figure, folder: Path, name: str = "figure", kinds: Sequence[str] = ("png", "pdf")) -> None:

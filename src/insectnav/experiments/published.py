@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from insectnav.checks import InputError, quoted
 from insectnav.experiments.results import write_table
 
@@ -97,6 +99,17 @@ def _published(row: Mapping[str, Any], where: str) -> Published:
     if not low <= high or not error >= 0.0:
         raise InputError(f"{where} says {low:g} to {high:g} ± {error:g}, expected a low end, a high end and an error")
     return Published(value=value, low=low, high=high, standard_error=error, **words)
+
+
+def with_error(row: Mapping[str, Any], name: str) -> tuple[float, float]:
+    """A number in a row of a table, and its standard error, which stands in the column with `_error` at its end."""
+    return float(row[name]), float(row[f"{name}_error"])
+
+
+def surplus(row: Mapping[str, Any], other: Mapping[str, Any], name: str) -> tuple[float, float]:
+    """How much more a number is in one row than in another, and the standard error, as if they were drawn apart."""
+    (one, error), (two, other_error) = with_error(row, name), with_error(other, name)
+    return one - two, float(np.hypot(error, other_error))
 
 
 def judge(

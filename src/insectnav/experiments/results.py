@@ -8,6 +8,7 @@ import platform
 import secrets
 import shutil
 import sys
+import tempfile
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -32,23 +33,28 @@ PROVEN_RESULTS = frozenset(  # with provenance beside them alone: of masks, of p
 
 
 @contextmanager
-def results_folder(destination: str | os.PathLike[str]) -> Iterator[Path]:
+def results_folder(destination: str | os.PathLike[str], option: str = "--out") -> Iterator[Path]:
     """A temporary folder beside the destination, renamed to it when the block ends well and removed when it does not.
+
+    Parameters
+    ----------
+    destination : folder
+    option : by which the user named it
 
     Raises
     ------
     InputError
         If the destination cannot be written, is a file, or holds other things than earlier results.
     """
-    check_destination(destination)
+    check_destination(destination, option)
     final = Path(os.path.realpath(destination))  # a link stays, and what it points to is replaced
     temporary = final.with_name(f".{final.name}.{secrets.token_hex(4)}.part")
     new_parents = [parent for parent in final.parents if not parent.exists()]
-    with written_to(destination):
+    with written_to(destination, option):
         temporary.mkdir(parents=True)
     try:
         yield temporary
-        with written_to(destination):
+        with written_to(destination, option):
             replace_folder(final, temporary)
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
@@ -57,8 +63,13 @@ def results_folder(destination: str | os.PathLike[str]) -> Iterator[Path]:
                 parent.rmdir()  # only where it is empty
 
 
-def check_destination(destination: str | os.PathLike[str]) -> None:
+def check_destination(destination: str | os.PathLike[str], option: str = "--out") -> None:
     """Refuse, before any work is done, a destination that results could not be moved to.
+
+    Parameters
+    ----------
+    destination : folder
+    option : by which the user named it
 
     Raises
     ------
@@ -66,27 +77,57 @@ def check_destination(destination: str | os.PathLike[str]) -> None:
         If the destination is a file, cannot be written, or holds other things than earlier results.
     """
     final = Path(os.path.realpath(destination))
-    shown = quoted(destination, limit=200)
-    with written_to(destination):
+    shown = f"{option} {quoted(destination, limit=200)}"
+    with written_to(destination, option):
         if final.exists() and not final.is_dir():
-            raise InputError(f"--out {shown} is a file, expected a folder or a new name")
+            raise InputError(f"{shown} is a file, expected a folder or a new name")
         there = {item.name for item in final.iterdir()} if final.is_dir() else set()
         others = there - RESULTS - (PROVEN_RESULTS if PROVENANCE in there else set())
         if others:
             example = quoted(min(others))
             raise InputError(
-                f"--out {shown} holds other files, such as {example}, expected a new name or a folder of results alone"
+                f"{shown} holds other files, such as {example}, expected a new name or a folder of results alone"
             )
-        existing = final.parent
-        while not existing.exists():
-            existing = existing.parent
-        if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
-            raise InputError(f"--out {shown} cannot be written, expected a place where you may make a folder")
+        check_room(final, shown)
+
+
+def check_room(place: Path, shown: str) -> None:
+    """Refuse, before any work is done, a place for a file or folder in whose folder nothing can be made.
+
+    Parameters
+    ----------
+    place : of which the folder, and those above it, need not exist
+    shown : how a sentence begins that names it
+
+    Raises
+    ------
+    InputError
+        If a file is in the way, or the folder may not be written: found out by making a folder in it, since neither a
+        disk that is only read nor what a system keeps under /proc shows in the rights.
+    OSError
+        If the place cannot be looked at.
+    """
+    existing = place.parent
+    while not existing.exists():
+        existing = existing.parent
+    if not existing.is_dir():
+        raise InputError(f"{shown} cannot be written, since {quoted(existing, 200)} is a file, expected a folder")
+    try:
+        os.rmdir(tempfile.mkdtemp(prefix=".insectnav-", dir=existing))
+    except OSError as error:
+        raise InputError(
+            f"{shown} cannot be written ({error.strerror}), expected a place where you may make files and folders"
+        ) from None
 
 
 @contextmanager
-def written_to(destination: str | os.PathLike[str]) -> Iterator[None]:
+def written_to(destination: str | os.PathLike[str], option: str = "--out") -> Iterator[None]:
     """Context in which what the system refuses to write becomes one sentence about the destination.
+
+    Parameters
+    ----------
+    destination : file or folder
+    option : by which the user named it
 
     Raises
     ------
@@ -96,7 +137,7 @@ def written_to(destination: str | os.PathLike[str]) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(f"--out {quoted(destination, limit=200)} cannot be written ({error.strerror})") from None
+        raise InputError(f"{option} {quoted(destination, limit=200)} cannot be written ({error.strerror})") from None
 
 
 def replace_folder(final: Path, temporary: Path) -> None:

@@ -1,13 +1,12 @@
 """Ways down a surface that is known on a grid: bicubic interpolation and steepest descent."""
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError, as_numbers, check_count, check_finite, check_range, check_shape
-from insectnav.workers import count_workers
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 OUTCOMES = ("goal", "minimum", "edge", "unfinished")
@@ -105,13 +104,11 @@ def descend(
     flat = places.reshape(-1, 2)
     ends, outcomes, n_steps = np.empty(flat.shape), np.empty(len(flat), np.int64), np.empty(len(flat), np.int64)
 
-    def run_task(first: int) -> None:
-        last, radius = min(first + STARTS_PER_TASK, len(flat)), success_radius / spacing
+    def run_task(first: int, last: int) -> None:
+        radius = success_radius / spacing
         descend_all(first, last, padded, flat, *target, radius, step / spacing, max_steps, ends, outcomes, n_steps)
 
-    tasks = range(0, len(flat), STARTS_PER_TASK)
-    with ThreadPoolExecutor(count_workers(workers)) as pool:
-        list((pool.map if len(tasks) > 1 else map)(run_task, tasks))
+    run_blocks(run_task, len(flat), STARTS_PER_TASK, workers)
     shape = places.shape[:-1]
     return Descent((ends * spacing).reshape(places.shape), outcomes.reshape(shape)[()], n_steps.reshape(shape)[()])
 

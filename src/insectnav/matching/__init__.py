@@ -12,6 +12,7 @@ from insectnav.matching.compass import (
 from insectnav.matching.constellations import ConstellationIndex, ConstellationParams, constellation_index, locate
 from insectnav.matching.difference import METRICS, References, difference_matrix, prepare_references
 from insectnav.matching.fabmap import FabMapMatches, FabMapParams, fabmap
+from insectnav.matching.fabmap_store import FabMapModel, open_fabmap, save_fabmap
 from insectnav.matching.place_about import MapAbout
 from insectnav.matching.places import PlaceMap, merge_maps
 from insectnav.matching.rotation import RotationIndex, RotationParams, build_rotation_index
@@ -27,6 +28,7 @@ __all__ = [
     "ConstellationIndex",
     "ConstellationParams",
     "FabMapMatches",
+    "FabMapModel",
     "FabMapParams",
     "MapAbout",
     "Matches",
@@ -54,9 +56,11 @@ __all__ = [
     "locate_next",
     "merge_maps",
     "nearest_view",
+    "open_fabmap",
     "prepare_references",
     "rotation_angles",
     "rotation_between",
+    "save_fabmap",
     "seqslam",
     "turn_matrix",
     "turns_of_matches",

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from insectnav.angles import wrap
 from insectnav.checks import InputError, as_numbers, check_count, check_range, check_shape
-from insectnav.matching.blocks import run_blocks
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]

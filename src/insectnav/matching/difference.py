@@ -8,13 +8,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError, check_choice
 from insectnav.lanes import LANES
-from insectnav.matching.blocks import run_blocks
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 METRICS = ("cosine", "euclidean", "absolute", "hamming", "openseqslam-v1")
 QUERIES_PER_BLOCK = 64
 BLOCKS_LAID = 8  # of 16 references each, that one thread brings into form at a time
 NEAR_SINGLE, NEAR_DOUBLE = 2.0**-6, 2.0**-20  # cosine differences below which 1 − a·b has lost too many digits
+ROOM = 1e-9, 1e15  # of the largest feature, so that squares of differences have some in single precision
 FEW_FEATURES = 512  # to which sums are in double precision: short vectors are often nearly the same
 
 
@@ -45,7 +46,8 @@ def difference_matrix(
     Raises
     ------
     InputError
-        If the numbers of features differ, a vector is partly NaN or infinite, the metric is unknown or wants bits.
+        If the numbers of features differ, a vector is partly NaN or infinite, the metric is unknown or wants bits, or a
+        difference is beyond single precision.
 
     Notes
     -----
@@ -53,7 +55,8 @@ def difference_matrix(
     of 512 added up in double: equal vectors differ by 0, near ones keep their digits, and a difference does not depend
     on what else is compared. "cosine" subtracts a·b from 1, good to about 2e-7 in single precision; of nearer vectors,
     below 2⁻⁶ in single and 2⁻²⁰ in double, it sums ``|a − b|² / 2`` of unit vectors, which is the same and keeps its
-    digits. "euclidean" takes the mean of the references off first where it sums in single precision.
+    digits. "euclidean" takes the mean of the references off first where it sums in single precision, and divides by a
+    power of 2 where squares would have no room in it, which changes no digit.
     """
     return prepare_references(references, metric).differences(queries, workers=workers)
 
@@ -63,6 +66,7 @@ class Common(NamedTuple):
 
     n_references: int
     middle: Reals  # (feature,) taken off each vector
+    unit: float = 1.0  # a power of 2 that vectors are divided by, where their squares have no room in single precision
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,6 +108,11 @@ class References:
             _compare(self, vectors[first:last], out[first:last])
 
         run_blocks(compare, len(vectors), QUERIES_PER_BLOCK, workers)
+        if not np.isfinite(out).all():
+            raise InputError(
+                f"a difference by {self.metric} is beyond 3e38, or 1e18 times what references come to, expected "
+                "features of moderate size: of another unit, or damaged?"
+            )
         if self.metric == "cosine":
             out[~vectors.any(axis=1)] = 1.0
             out[:, ~self.has_length] = 1.0
@@ -147,10 +156,13 @@ def prepare_references(references: ArrayLike, metric: str = "cosine", *, common:
 
 def common_of(vectors: NDArray[Any], is_missing: NDArray[np.bool_], metric: str) -> Common:
     """What all references (frame, feature) together decide."""
-    middle = np.zeros(vectors.shape[1])
-    if metric == "euclidean" and vectors.shape[1] > FEW_FEATURES and not is_missing.all():
-        middle = (vectors[~is_missing] if is_missing.any() else vectors).mean(axis=0, dtype=np.float64)
-    return Common(len(vectors), middle)
+    if metric != "euclidean" or vectors.shape[1] <= FEW_FEATURES or is_missing.all():
+        return Common(len(vectors), np.zeros(vectors.shape[1]))
+    known = vectors[~is_missing] if is_missing.any() else vectors
+    largest = max(float(known.max()), -float(known.min()))
+    has_room = ROOM[0] < largest < ROOM[1] or not largest
+    unit = 1.0 if has_room else 2.0 ** int(np.clip(np.frexp(largest)[1], -500, 500))
+    return Common(len(vectors), known.mean(axis=0, dtype=np.float64), unit)
 
 
 def checked_vectors(name: str, vectors: ArrayLike) -> tuple[NDArray[Any], NDArray[np.bool_]]:
@@ -215,7 +227,10 @@ def _scaled(vectors: NDArray[Any], metric: str, common: Common, dtype: np.dtype[
         return unit_vectors(vectors, dtype)
     if metric == "euclidean":
         vectors = vectors - common.middle
-    return vectors.astype(dtype, copy=False)
+        if common.unit != 1.0:
+            vectors = vectors / common.unit
+    with np.errstate(over="ignore"):  # what is too large shows in the differences
+        return vectors.astype(dtype, copy=False)
 
 
 def unit_vectors(vectors: NDArray[Any], dtype: np.dtype[Any]) -> Reals:
@@ -268,7 +283,7 @@ def _compare(references: References, queries: NDArray[Any], out: Reals) -> None:
     if metric in ("absolute", "openseqslam-v1"):
         difference_kernel.sum_differences(scaled, reference, False, False, scale, out)
     elif metric == "euclidean":
-        difference_kernel.sum_differences(scaled, reference, True, True, 1.0, out)
+        difference_kernel.sum_differences(scaled, reference, True, True, common.unit**-2, out)
     else:
         near = NEAR_DOUBLE if reference.dtype == np.float64 else NEAR_SINGLE
         difference_kernel.subtract_cosines(scaled, reference, near, out)

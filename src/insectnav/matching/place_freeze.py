@@ -6,10 +6,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from insectnav.matching.place_arrays import PlaceArrays
-from insectnav.matching.place_index import METRICS_WITH_INDEX, build_index, index_digest
+from insectnav.matching.place_index import DIMENSIONS, METRICS_WITH_INDEX, build_index
 from insectnav.matching.place_record import FOLDER, IndexRecord, MapRecord, write_record
 from insectnav.matching.place_segments import SEGMENTS
-from insectnav.matching.place_store import remove_partial, whole_folder, write_arrays, written
+from insectnav.matching.place_store import arrays_digest, remove_partial, whole_folder, write_arrays, written
 
 
 def frozen(path: Path, record: MapRecord, places: PlaceArrays, with_index: bool) -> MapRecord:
@@ -41,7 +41,7 @@ def _put_index(path: Path, record: MapRecord, places: PlaceArrays) -> IndexRecor
     sizes, arrays = build_index(places, record.about.metric)
     with whole_folder(path / name) as temporary:
         write_arrays(temporary, arrays)
-        digest = index_digest(temporary)
+        digest = arrays_digest(temporary, DIMENSIONS)
     return IndexRecord(folder=name, digest=digest, sizes=sizes)
 
 

@@ -3,7 +3,6 @@
 What is stored are plain arrays, from which the index is put together again: no file of FAISS's own is ever read.
 """
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_count
-from insectnav.matching.blocks import run_blocks
 from insectnav.matching.difference import checked_vectors, unit_vectors
 from insectnav.matching.place_arrays import PlaceArrays
-from insectnav.matching.place_store import Arrays, DamagedError, chunk_file, read_arrays
+from insectnav.matching.place_store import Arrays, DamagedError, arrays_digest, read_arrays
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
@@ -118,7 +117,7 @@ def build_index(places: PlaceArrays, metric: str) -> tuple[IndexSizes, Arrays]:
     few = known[:: max(1, len(known) // (PLACES_PER_CENTRE * sizes.n_lists))]
     with _one_thread() as faiss:
         quantiser, index = _empty_index(faiss, sizes.n_lists, places.n_features)
-        index.cp.seed = SEED
+        index.cp.seed, index.cp.min_points_per_centroid = SEED, 1  # FAISS would warn of small maps on the terminal
         index.train(index_vectors(places.descriptors(few), metric)[0])
         for first, vectors, missing in _blocks(places, metric):
             index.add_with_ids(vectors[~missing], first + np.flatnonzero(~missing))
@@ -156,15 +155,6 @@ def _list(faiss: Any, lists: Any, number: int, n_features: int) -> tuple[Integer
     places = faiss.rev_swig_ptr(lists.get_ids(number), n).copy()
     codes = faiss.rev_swig_ptr(lists.get_codes(number), n * n_features).copy()
     return places, codes.reshape(n, n_features)
-
-
-def index_digest(folder: Path) -> str:
-    """A number that changes if any of the arrays of an index does."""
-    digest = hashlib.sha256()
-    for name, dimensions in DIMENSIONS.items():
-        with chunk_file(folder / name, len(dimensions)).open("rb") as file:
-            digest.update(hashlib.file_digest(file, "sha256").digest())
-    return digest.hexdigest()
 
 
 class PlaceIndex:
@@ -237,6 +227,6 @@ def read_index(folder: Path, digest: str, sizes: IndexSizes, n_places: int, n_fe
         and bool(((places >= 0) & (places < n_places)).all())
         and bool(np.isfinite(arrays["centres"]).all() and np.isfinite(arrays["scale"]).all())
     )
-    if not is_right or index_digest(folder) != digest:
+    if not is_right or arrays_digest(folder, DIMENSIONS) != digest:
         raise DamagedError("its arrays are not as they were written")
     return arrays

@@ -1,17 +1,21 @@
 """The file that says what a folder is: a map of places, of which kind, in which state."""
 
+import os
 import re
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from insectnav.checks import InputError
+from insectnav.checks import InputError, did_you_mean, quoted
 from insectnav.matching.place_about import MapAbout, about_from_json
 from insectnav.matching.place_index import IndexSizes
 from insectnav.matching.place_store import DamagedError, read_json, shown, write_json
 
 MAP_FILE = "map.json"
 FORMAT, VERSION = "insectnav places", 1
+MOST_BESIDE = 10_000  # in a folder that are looked through for a map of a name alike
 FOLDER, DIGEST = re.compile(r"(places|index)-[0-9a-f]{8}"), re.compile(r"[0-9a-f]{64}")
 
 
@@ -66,7 +70,7 @@ def read_record(folder: Path) -> MapRecord:
     try:
         words = read_json(folder / MAP_FILE)
     except (FileNotFoundError, NotADirectoryError):
-        raise InputError(f"{shown(folder)} is no map of places: it has no file {MAP_FILE}") from None
+        raise InputError(_no_map(folder)) from None
     except OSError as error:
         raise InputError(f"the map {shown(folder)} cannot be read ({error.strerror})") from None
     if words.get("format") != FORMAT:
@@ -85,6 +89,23 @@ def read_record(folder: Path) -> MapRecord:
         return MapRecord(about=about_from_json(words["about"]), places=places, index=_index(words["index"]))
     except InputError as error:
         raise DamagedError(f"the {MAP_FILE} of the map {shown(folder)} is damaged: {error}") from None
+
+
+def _no_map(folder: Path) -> str:
+    """Why there is no map: no such folder, and which maps beside it are called alike; a file; another folder."""
+    if folder.is_dir():
+        return f"{shown(folder)} is no map of places: it has no file {MAP_FILE}"
+    if folder.exists():
+        return f"{shown(folder)} is no map of places: it is a file, expected the folder of a map"
+    hint = did_you_mean(folder.name, _maps_in(folder.parent), quoted)
+    return f"{shown(folder)} does not exist, expected the folder of a map{hint}"
+
+
+def _maps_in(folder: Path) -> list[str]:
+    """Names of the maps in a folder, sorted; none if it cannot be read."""
+    with suppress(OSError), os.scandir(folder) as found:
+        return sorted(one.name for one in islice(found, MOST_BESIDE) if Path(one.path, MAP_FILE).is_file())
+    return []
 
 
 def _is_like(pattern: re.Pattern[str], word: object) -> bool:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError
-from insectnav.matching.blocks import run_blocks
 from insectnav.matching.difference import (
     FEW_FEATURES,
     Common,
@@ -30,6 +29,7 @@ from insectnav.matching.place_pieces import (
     search_piece,
 )
 from insectnav.matching.seqslam import Matches, SeqSlamParams, matches_from_lines
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 SEQUENCES_PER_BLOCK = 256
@@ -163,12 +163,3 @@ def checked_queries(landscape: Landscape, descriptors: ArrayLike) -> NDArray[Any
         )
     landscape.references(slice(0, 1)).differences(queries[:1])  # which refuses numbers of another type
     return queries
-
-
-def check_length(queries: NDArray[Any], params: SeqSlamParams) -> None:
-    """Refuse fewer queries than a sequence is long."""
-    if len(queries) < params.n_steps + 1:
-        raise InputError(
-            f"there are {len(queries)} queries, expected at least {params.n_steps + 1} for sequences of "
-            f"{params.sequence_length} steps: fewer frames than a sequence?"
-        )

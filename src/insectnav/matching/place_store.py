@@ -5,6 +5,7 @@ description must be one that this module writes, and the file must have just the
 """
 
 import fcntl
+import hashlib
 import json
 import math
 import os
@@ -56,8 +57,13 @@ def only_writer(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def written(folder: Path) -> Iterator[None]:
+def written(folder: Path, what: str = "map") -> Iterator[None]:
     """Context in which what the system refuses to write becomes one sentence about the map.
+
+    Parameters
+    ----------
+    folder : Path
+    what : the folder holds
 
     Raises
     ------
@@ -67,7 +73,7 @@ def written(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise InputError(f"the map {shown(folder)} cannot be written ({error.strerror})") from None
+        raise InputError(f"the {what} {shown(folder)} cannot be written ({error.strerror})") from None
 
 
 @contextmanager
@@ -153,6 +159,21 @@ def chunk_file(array: Path, n_axes: int) -> Path:
     return array / ".".join(["c", *("0" * n_axes)])
 
 
+def arrays_digest(folder: Path, names: Mapping[str, tuple[str, ...]]) -> str:
+    """A number that changes if any of the arrays does, by SHA-256.
+
+    Parameters
+    ----------
+    folder : Path
+    names : name -> dimensions, of the arrays in their order
+    """
+    digest = hashlib.sha256()
+    for name, dimensions in names.items():
+        with chunk_file(folder / name, len(dimensions)).open("rb") as file:
+            digest.update(hashlib.file_digest(file, "sha256").digest())
+    return digest.hexdigest()
+
+
 def read_arrays(folder: Path, expected: Mapping[str, tuple[str, ...]]) -> dict[str, NDArray[Any]]:
     """Arrays by name, those of more than a megabyte mapped from disk.
 
@@ -192,7 +213,7 @@ def read_array(folder: Path, dimensions: tuple[str, ...]) -> NDArray[Any]:
         raise DamagedError(f"the array {shown(folder)} is missing") from None
     shape, kind = cast(Any, about.get("shape")), cast(Any, about.get("data_type"))
     if not _is_shape(shape, len(dimensions)) or kind not in TYPES or about != _description(shape, kind, dimensions):
-        raise DamagedError(f"the array {shown(folder)} is not described as an array {dimensions} of a map is")
+        raise DamagedError(f"the array {shown(folder)} is not described as an array {dimensions} is")
     dtype = np.dtype(kind).newbyteorder("<")
     if 0 in shape:
         return np.empty(shape, dtype)

@@ -16,7 +16,7 @@ from insectnav.matching.place_freeze import frozen
 from insectnav.matching.place_index import METRICS_WITH_INDEX, PlaceIndex, read_index
 from insectnav.matching.place_lookup import indexed_matches
 from insectnav.matching.place_record import MapRecord, read_record, write_record
-from insectnav.matching.place_search import Landscape, check_length, checked_queries, exact_matches, landscape_of
+from insectnav.matching.place_search import Landscape, checked_queries, exact_matches, landscape_of
 from insectnav.matching.place_segments import SEGMENTS, Segments, add_segment, read_segments
 from insectnav.matching.place_shards import cluster_matches
 from insectnav.matching.place_store import DamagedError, only_writer, shown, whole_folder, written
@@ -246,7 +246,7 @@ class PlaceMap:
             self.about.check_same(about, "the queries")
         landscape = self._landscape()
         queries = checked_queries(landscape, descriptors)
-        check_length(queries, params)
+        params.check_length(len(queries), "query", "queries")
         if cluster is not None:
             if search == "index" or workers is not None:
                 raise InputError("a cluster searches a map without its index, with workers of its own: give it alone")

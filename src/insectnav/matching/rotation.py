@@ -5,7 +5,7 @@ all their relative rotations; what counts is the mean over the overlap of the tw
 sees half the sphere may tilt without the rest of it being taken for ground.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -105,6 +105,26 @@ class RotationIndex:
     def n_bytes(self) -> int:
         """Memory that the references take."""
         return int(self.maps.nbytes + self.rings.views.nbytes + self.rings.masks.nbytes)
+
+    def part(self, references: ArrayLike) -> "RotationIndex":
+        """Index of some of the references alone, in the order given: those near a place that is known, or one of them.
+
+        Parameters
+        ----------
+        references : (reference,) array of int, numbers in this index
+
+        Raises
+        ------
+        InputError
+            If there are none, or a number is not that of a reference.
+        """
+        chosen = np.asarray(references)
+        if chosen.ndim != 1 or not chosen.size or chosen.dtype.kind not in "iu":
+            raise InputError(
+                f"references have shape {chosen.shape} and type {chosen.dtype.name}, expected some whole numbers"
+            )
+        check_range("references", chosen, 0, self.n_references - 1)
+        return replace(self, maps=self.maps[chosen], areas=self.areas[chosen], rings=self.rings.part(chosen))
 
     def match(self, views: ArrayLike, seen: ArrayLike) -> RotationMatches:
         """Best reference and relative rotation of each query.

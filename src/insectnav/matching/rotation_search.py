@@ -5,7 +5,7 @@ axis. On rings round that axis a turn is a shift, so that the sums over the over
 azimuth: for each frequency one product of matrices (tilts × rings)·(rings × references), then an inverse transform.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -44,6 +44,10 @@ class RingSpectra:
     def n_turns(self) -> int:
         """Number of turns, and of directions on a ring."""
         return int(self.directions.shape[1])
+
+    def part(self, references: NDArray[np.integer[Any]]) -> "RingSpectra":
+        """Some of the references (reference,) alone."""
+        return replace(self, views=self.views[..., references], mask_of=self.mask_of[references])
 
 
 def tilt_rotations(spacing: float, max_tilt: float) -> Reals:

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insectnav.checks import InputError, as_numbers, check_choice, check_count, check_range, check_shape
-from insectnav.matching.blocks import run_blocks
+from insectnav.checks import InputError, as_numbers, check_choice, check_count, check_range, check_shape, counted
+from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
@@ -56,6 +56,27 @@ class SeqSlamParams:
         speeds = self.slowest * n + np.arange(n_speeds)
         steps = np.floor(speeds[:, None] * np.arange(n + 1) / n + 1e-9).astype(np.int64)
         return np.unique(steps, axis=0)
+
+    def check_length(self, n_frames: int, one: str, many: str, slip: str = "?") -> None:
+        """Refuse fewer frames than a sequence is long.
+
+        Parameters
+        ----------
+        n_frames : int
+        one, many : what they are
+        slip : how the sentence ends
+
+        Raises
+        ------
+        InputError
+            If there are too few.
+        """
+        if n_frames < self.n_steps + 1:
+            raise InputError(
+                f"there {'is' if n_frames == 1 else 'are'} {counted(n_frames, one, many)}, expected at least "
+                f"{self.n_steps + 1} for sequences of {counted(self.sequence_length, 'step')}: fewer frames than a "
+                f"sequence{slip}"
+            )
 
     @property
     def flat(self) -> float:
@@ -151,11 +172,7 @@ def seqslam(difference: ArrayLike, params: SeqSlamParams | None = None, *, worke
     """
     params = params or SeqSlamParams()
     rows = _checked_rows(difference, params)
-    if len(rows) < params.n_steps + 1:
-        raise InputError(
-            f"there are {len(rows)} queries, expected at least {params.n_steps + 1} for sequences of "
-            f"{params.sequence_length} steps: fewer frames than a sequence?"
-        )
+    params.check_length(len(rows), "query", "queries")
     baseline = params.bound
     if params.baseline == "observed":
         least = _least_contrast(rows, params, workers)
@@ -191,11 +208,7 @@ def _checked_rows(difference: ArrayLike, params: SeqSlamParams) -> Reals:
     """Differences as (query, reference) in one piece, in single or double precision."""
     array = as_numbers("difference", difference)
     check_shape("difference", array, ("reference", "query"))
-    if len(array) < params.n_steps + 1:
-        raise InputError(
-            f"there are {len(array)} references, expected at least {params.n_steps + 1} for sequences of "
-            f"{params.sequence_length} steps: fewer frames than a sequence, or transposed?"
-        )
+    params.check_length(len(array), "reference", "references", ", or transposed?")
     rows = np.ascontiguousarray(array.T, array.dtype if array.dtype in (np.float32, np.float64) else np.float64)
     with np.errstate(invalid="ignore", over="ignore"):
         is_finite = bool(np.isfinite(rows.sum()))

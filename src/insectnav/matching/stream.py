@@ -72,11 +72,7 @@ def begin_stream(references: ArrayLike, metric: str = "cosine", params: SeqSlamP
         )
     prepared, n = prepare_references(references, metric), params.n_steps + 1
     n_references = len(prepared.is_missing)
-    if n_references < n:
-        raise InputError(
-            f"there are {n_references} references, expected at least {n} for sequences of {params.sequence_length} "
-            "steps: fewer frames than a sequence?"
-        )
+    params.check_length(n_references, "reference", "references")
     return Stream(
         references=prepared,
         params=params,

@@ -12,6 +12,7 @@ from insectnav.checks import InputError, as_numbers, check_choice, check_count, 
 Reals = NDArray[np.floating[Any]]
 Bools = NDArray[np.bool_]
 DETECTORS = ("sift", "orb")  # SURF, which the papers took, is in no wheel of OpenCV; AKAZE in none from version 5 on
+NUMBERS = {"sift": 128, "orb": 256}  # that describe a feature
 OWN = "own"  # features that the user found
 MAX_STEPS = 30  # of k-means; words then move little
 FEATURES_AT_ONCE = 2**14  # whose distances to all words are in memory together
@@ -152,7 +153,7 @@ def local_features(image: ArrayLike, detector: str = "sift") -> Reals:
     finder: Any = cv2.SIFT_create() if detector == "sift" else cv2.ORB_create()  # type: ignore[attr-defined]
     found = finder.detectAndCompute(grey, None)[1]
     if found is None:
-        return np.empty((0, 128 if detector == "sift" else 256), np.float32)
+        return np.empty((0, NUMBERS[detector]), np.float32)
     return np.asarray(np.unpackbits(found, axis=1) if detector == "orb" else found, np.float32)
 
 
@@ -200,7 +201,7 @@ def _group(features: Sequence[Reals], n_words: int, seed: int, slip: str) -> Rea
             f"as words: {slip}"
         )
     from sklearn.cluster import KMeans
-    from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
+    from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
         grouping = KMeans(n_clusters=n_words, n_init=1, max_iter=MAX_STEPS, random_state=seed)

@@ -7,8 +7,6 @@ Left out: differences between pixels (fixed pattern noise), colour mosaics, bloo
 compression.
 """
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from insectnav.checks import InputError, as_numbers, check_choice, check_count, check_finite, check_range, check_shape
 from insectnav.rng import trial_streams
 from insectnav.vision.picture_stacks import radiance_stack
-from insectnav.workers import count_workers
+from insectnav.workers import run_blocks
 
 RESPONSES = ("linear", "srgb")
 METER_RULES = ("mean", "percentile")
@@ -150,7 +148,7 @@ def expose(
         generator = np.random.Generator(np.random.PCG64(np.random.SeedSequence(streams[k].tolist())))
         numbers[k] = _read_out(stack.pictures[k] / full[k], sensor, generator)
 
-    _for_each(expose_image, n, count_workers(workers))
+    run_blocks(lambda image, _: expose_image(image), n, 1, workers)
     return stack.restored(numbers)
 
 
@@ -168,15 +166,6 @@ def _read_out(share: Reals, sensor: Sensor, generator: np.random.Generator) -> R
     else:
         level = sensor.black_level + (1.0 - sensor.black_level) * level
     return np.rint(np.clip(level, 0.0, 1.0) * sensor.largest_number)
-
-
-def _for_each(work: Callable[[int], None], n: int, workers: int) -> None:
-    if min(n, workers) <= 1:
-        for k in range(n):
-            work(k)
-        return
-    with ThreadPoolExecutor(workers) as pool:
-        list(pool.map(work, range(n)))
 
 
 def srgb_encoded(linear: ArrayLike) -> Reals:

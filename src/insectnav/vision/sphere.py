@@ -255,8 +255,14 @@ def _divisions(name: str, extent_deg: float, resolution_deg: float) -> int:
     return count
 
 
-def _elevation_range(elevation_deg: tuple[float, float]) -> tuple[float, float]:
-    """Lower and upper limit in degrees, checked."""
+def elevation_range(elevation_deg: tuple[float, float]) -> tuple[float, float]:
+    """Lower and upper limit in degrees, checked.
+
+    Raises
+    ------
+    InputError
+        If they are no two elevations, the lower one first.
+    """
     bounds = as_numbers("elevation_deg", elevation_deg)
     check_shape("elevation_deg", bounds, (2,))
     check_range("elevation_deg", bounds, -90.0, 90.0, "degrees")
@@ -274,7 +280,7 @@ def panorama_shape(resolution_deg: float, elevation_deg: tuple[float, float] = W
     elevation_deg : lowest and highest elevation
     """
     check_range("resolution_deg", resolution_deg, 1e-3, 180.0, "degrees")
-    low, high = _elevation_range(elevation_deg)
+    low, high = elevation_range(elevation_deg)
     return _divisions("elevation", high - low, resolution_deg), _divisions("azimuth", 360.0, resolution_deg)
 
 
@@ -344,7 +350,7 @@ def fibonacci(n_points: int = 2000, elevation_deg: tuple[float, float] = WHOLE_S
     products are off by at most 0.002 sr.
     """
     check_count("n_points", n_points)
-    low, high = np.sin(np.deg2rad(_elevation_range(elevation_deg)))
+    low, high = np.sin(np.deg2rad(elevation_range(elevation_deg)))
     index = np.arange(n_points)
     height = high - (index + 0.5) * (high - low) / n_points
     azimuth = np.fmod(index * GOLDEN_ANGLE, FULL_TURN)

@@ -10,17 +10,7 @@ from insectnav.worlds.building_rows import row_of_buildings
 from insectnav.worlds.buildings import Building, building, tower
 from insectnav.worlds.built_world import BuiltWorld
 from insectnav.worlds.ground import ground_patch
-from insectnav.worlds.moving import (
-    CAR_LENGTH,
-    CAR_SPEED,
-    CAR_WIDTH,
-    PERSON_WIDTH,
-    WALKING_SPEED,
-    cars,
-    clear_of,
-    moving_along,
-    people,
-)
+from insectnav.worlds.moving import cars, people, traffic, walkers
 from insectnav.worlds.plants import TOWN, on_ground, trees
 from insectnav.worlds.shapes import Part, box, frustum, generator, joined, mesh_from, placed
 from insectnav.worlds.ways import distance_to_way, stepped
@@ -292,14 +282,10 @@ def _moving(seed: int, streets: _Streets, route: Floats, params: CityParams) -> 
                 for low, high in zip(streets.middle[1 - axis], streets.middle[1 - axis][1:], strict=False):
                     clear = np.array([low + 15.0, high - 15.0])[:: 1 if (k + way) % 4 else -1]
                     walks.append([[pavement, end] if axis == 0 else [end, pavement] for end in clear])
-    parts: list[Part] = []
-    for name, lines, n, speeds, size, base in (
-        ("cars", lanes, params.n_cars, CAR_SPEED, (CAR_LENGTH, CAR_WIDTH), 0.0),
-        ("people", walks, params.n_people, WALKING_SPEED, (PERSON_WIDTH, PERSON_WIDTH), KERB),
-    ):
-        rng = generator(seed, f"city {name}")
-        positions, headings = moving_along(rng, np.array(lines), n, speeds, params.time_s)
-        free = clear_of(route, positions, headings, *size)
-        shape = generator(seed, f"city shapes of {name}")
-        parts += (cars if name == "cars" else people)(shape, on_ground(positions, base)[free], headings[free])
-    return parts
+    time_s = params.time_s
+    driving, courses = traffic(generator(seed, "city cars"), np.array(lanes), params.n_cars, time_s, route)
+    walking, ways = walkers(generator(seed, "city people"), np.array(walks), params.n_people, time_s, route)
+    return [
+        *cars(generator(seed, "city shapes of cars"), on_ground(driving), courses),
+        *people(generator(seed, "city shapes of people"), on_ground(walking, KERB), ways),
+    ]

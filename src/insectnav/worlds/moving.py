@@ -58,6 +58,26 @@ def clear_of(route: Floats, positions: Floats, headings: Floats, length: float, 
     return np.asarray(~within.any(axis=1))
 
 
+def traffic(rng: np.random.Generator, lanes: Floats, n: int, time_s: float, route: Floats) -> tuple[Floats, Floats]:
+    """Positions (k, 2) [m] and headings (k,) [rad] of those of `n` cars that leave the route free.
+
+    Parameters
+    ----------
+    lanes, n, time_s : as of `moving_along`
+    route : (point, 2) array [m]
+    """
+    positions, headings = moving_along(rng, lanes, n, CAR_SPEED, time_s)
+    free = clear_of(route, positions, headings, CAR_LENGTH, CAR_WIDTH)
+    return positions[free], headings[free]
+
+
+def walkers(rng: np.random.Generator, walks: Floats, n: int, time_s: float, route: Floats) -> tuple[Floats, Floats]:
+    """The same of people; parameters as of `traffic`."""
+    positions, headings = moving_along(rng, walks, n, WALKING_SPEED, time_s)
+    free = clear_of(route, positions, headings, PERSON_WIDTH, PERSON_WIDTH)
+    return positions[free], headings[free]
+
+
 def cars(rng: np.random.Generator, positions: Floats, headings: Floats) -> list[Part]:
     """Cars of three paints at positions (n, 3) [m]: body, glass, roof and wheels; none is higher than `CAR_HEIGHT`."""
     body = box(CAR_WIDTH, CAR_LENGTH, 0.65, base=0.2)

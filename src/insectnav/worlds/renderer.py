@@ -1,7 +1,6 @@
 """Panoramas of a world: what an eye sees all round, from many places at once."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from insectnav.checks import (
     check_shape,
     quoted,
 )
-from insectnav.workers import count_workers
+from insectnav.workers import count_workers, run_blocks
 from insectnav.worlds.solids import check_outside_solids
 from insectnav.worlds.world import World, check_positions
 
@@ -129,7 +128,7 @@ def render_layers(
     def run_task(first: int, last: int) -> None:
         render_views(first, last, grid, scene, new_work(world, grid), views)
 
-    run_in_threads(run_task, len(position), workers, progress)
+    run_views(run_task, len(position), workers, progress)
     if elevation_deg[1] > 0:
         check_outside_solids(world, position, views.sees_sky == 0)
     found: Layers = {name: views.value[:, channel] for channel, name in enumerate(channels)}
@@ -253,37 +252,19 @@ def new_work(world: World, grid: Any) -> Any:
     )
 
 
-def run_in_threads(
+def run_views(
     task: Callable[[int, int], None], n: int, workers: int | None, progress: Callable[[int], None] | None = None
 ) -> None:
-    """Run ``task(first, last)`` over 0…n in pieces, on several threads.
+    """Run ``task(first, last)`` over 0…n in pieces, on several threads; a few views have a thread each.
 
     Parameters
     ----------
-    task : what to do with the indices from first up to last
+    task : what to do with the views from first up to last
     n : how many there are
     workers, progress
         As of `render_panorama`.
     """
-    workers = count_workers(workers)
-    size = max(1, min(VIEWS_PER_TASK, -(-n // workers)))
-    pieces = [(first, min(first + size, n)) for first in range(0, n, size)]
-
-    def run(piece: tuple[int, int]) -> int:
-        task(*piece)
-        return piece[1] - piece[0]
-
-    def report(n_finished: int) -> None:
-        if progress is not None:
-            progress(n_finished)
-
-    if workers == 1 or len(pieces) <= 1:
-        for piece in pieces:
-            report(run(piece))
-        return
-    with ThreadPoolExecutor(min(workers, len(pieces))) as pool:
-        for n_finished in pool.map(run, pieces):
-            report(n_finished)
+    run_blocks(task, n, max(1, min(VIEWS_PER_TASK, -(-n // count_workers(workers)))), workers, progress)
 
 
 def check_size(shape: tuple[int, ...], n_layers: int) -> None:

@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from insectnav.angles import Floats, wrap
 from insectnav.checks import as_numbers, check_count, check_finite, check_radians, check_shape
-from insectnav.worlds.renderer import check_size, run_in_threads
+from insectnav.worlds.renderer import check_size, run_views
 from insectnav.worlds.world import World, check_positions
 
 N_GUARDS = 8  # azimuths added all round, so that no edge can span all of them
@@ -54,7 +54,7 @@ def skyline(
         )
         find_skylines(first, last, world.corners, azimuth, across, position, work, found)
 
-    run_in_threads(run_task, len(position), workers)
+    run_views(run_task, len(position), workers)
     return found[:, place[: len(wanted)]]
 
 

@@ -10,17 +10,7 @@ from insectnav.worlds.buildings import Building, building
 from insectnav.worlds.built_world import BuiltWorld
 from insectnav.worlds.city import KERB
 from insectnav.worlds.ground import ground_patch
-from insectnav.worlds.moving import (
-    CAR_LENGTH,
-    CAR_SPEED,
-    CAR_WIDTH,
-    PERSON_WIDTH,
-    WALKING_SPEED,
-    cars,
-    clear_of,
-    moving_along,
-    people,
-)
+from insectnav.worlds.moving import CAR_LENGTH, CAR_WIDTH, cars, clear_of, people, traffic, walkers
 from insectnav.worlds.plants import SPARSE, TOWN, conifers, hedge, on_ground, shrubs, trees
 from insectnav.worlds.shapes import Part, box, frustum, generator, joined, mesh_from, placed
 from insectnav.worlds.ways import stepped
@@ -193,13 +183,11 @@ def _on_the_street(seed: int, route: Floats, params: StreetParams) -> list[Part]
     pavement = ROAD / 2 + PAVEMENT / 2
     lanes = np.array([[(x, low), (x, high)] for x, low, high in ((1.6, start, end), (-1.6, end, start))])
     walks = np.array([[(x, low), (x, high)] for x in (-pavement, pavement) for low, high in lanes[:, :, 1]])
-    driving, courses = moving_along(generator(seed, "street cars"), lanes, params.n_cars, CAR_SPEED, params.time_s)
-    free = clear_of(route, driving, courses, CAR_LENGTH, CAR_WIDTH)
-    free &= clear_of(parked, driving, courses, 2 * CAR_LENGTH, 2 * CAR_WIDTH)
+    driving, courses = traffic(generator(seed, "street cars"), lanes, params.n_cars, params.time_s, route)
+    free = clear_of(parked, driving, courses, 2 * CAR_LENGTH, 2 * CAR_WIDTH)
     place = np.concatenate([parked, driving[free]])
-    walkers, ways = moving_along(generator(seed, "street people"), walks, params.n_people, WALKING_SPEED, params.time_s)
-    unhindered = clear_of(route, walkers, ways, PERSON_WIDTH, PERSON_WIDTH)
+    walking, ways = walkers(generator(seed, "street people"), walks, params.n_people, params.time_s, route)
     return [
         *cars(generator(seed, "street paints"), on_ground(place), np.concatenate([facing, courses[free]])),
-        *people(generator(seed, "street walkers"), on_ground(walkers, KERB)[unhindered], ways[unhindered]),
+        *people(generator(seed, "street walkers"), on_ground(walking, KERB), ways),
     ]

@@ -21,7 +21,7 @@ from insectnav.worlds.renderer import (
     check_size,
     draw_samples,
     render_layers,
-    run_in_threads,
+    run_views,
 )
 from insectnav.worlds.solids import check_outside_solids
 from insectnav.worlds.world import World, check_positions
@@ -140,7 +140,7 @@ def _render_samples(
             for layer in layers:
                 found[layer][view, eye.place] = values[layer]
 
-    run_in_threads(run_task, n_views, workers, progress)
+    run_views(run_task, n_views, workers, progress)
     check_outside_solids(shape, poses.position, has_no_sky)
     return {layer: values.reshape(n_views, *eye.shape) for layer, values in found.items()}
 

@@ -75,12 +75,11 @@ def test_a_robot_outdoors_whatever_it_faces(tmp_path: Path):
     assert np.median(np.abs(search.found.angles_deg[:, 0])) < 15.0
 
 
-def test_skies_of_a_walk_through_a_fisheye(tmp_path: Path):
+@pytest.mark.parametrize("descriptor", ["spherical-harmonics", "rotations"])
+def test_skies_of_a_walk_through_a_fisheye(descriptor: str, tmp_path: Path):
     folder = recorded("fisheye_sky")
     masks = sorted(folder.glob("*_mask.png"))
-    frames = FrameParams(
-        given=GivenOptions(camera="fisheye:180", descriptor="spherical-harmonics", sky="mask"), pictures=False
-    )
+    frames = FrameParams(given=GivenOptions(camera="fisheye:180", descriptor=descriptor, sky="mask"), pictures=False)
     build([str(path) for path in masks[::2]], tmp_path / "m", BuildParams(frames=frames))
     search = locate(
         PlaceMap.open(tmp_path / "m"),

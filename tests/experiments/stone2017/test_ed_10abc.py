@@ -10,14 +10,14 @@ from insectnav.experiments.experiment import Results
 from insectnav.experiments.stone2017_path_integration import ed_10abc
 from insectnav.experiments.stone2017_path_integration.ed_10abc import Cell
 from insectnav.experiments.stone2017_path_integration.straight_flights import fly, straight_flight
-from tiny_experiments import assert_all_judged, assert_same_bits, assert_words_and_picture, tiny_results
+from small_runs import explains_in_numbers, same_bits, simulated_grid, verdicts_of
 
 FIRST, LAST, N_STEPS, SPEED = 150, 350, 500, 0.5
 
 
 @pytest.fixture(scope="module")
 def results() -> Results:
-    return tiny_results(ed_10abc, n_trials=3)
+    return simulated_grid(ed_10abc, n_trials=3)
 
 
 def plain_dance(params: oracle.OracleParams, population: str, cell: int, heading: float) -> tuple[float, float]:
@@ -89,9 +89,11 @@ def test_cells_are_counted_round_within_their_side():
 
 
 def test_same_bits():
-    assert_same_bits(ed_10abc, Cell(preset="thesis", population="cpu1", leg="home", n_trials=3))
+    assert same_bits(ed_10abc, Cell(preset="thesis", population="cpu1", leg="home", n_trials=3))
 
 
 def test_figure_caption_and_verdicts(results: Results):
-    assert_words_and_picture(ed_10abc, results)
-    assert_all_judged(ed_10abc, "stone2017-ed-10abc", ed_10abc.summarise(results))
+    verdicts = verdicts_of(ed_10abc, "stone2017-ed-10abc", results)
+    assert explains_in_numbers(ed_10abc, "stone2017-ed-10abc", results)
+    assert all(np.isfinite(verdict.ours) for verdict in verdicts)
+    assert f"n = {results.cells[0].n_trials} " in ed_10abc.caption(results)

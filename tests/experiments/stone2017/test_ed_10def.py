@@ -17,12 +17,12 @@ from insectnav.experiments.stone2017_path_integration.body_offsets import (
 )
 from insectnav.experiments.stone2017_path_integration.ed_10def import Cell
 from insectnav.experiments.stone2017_path_integration.straight_flights import fly
-from tiny_experiments import assert_all_judged, assert_same_bits, assert_words_and_picture, tiny_results
+from small_runs import explains_in_numbers, same_bits, simulated_grid, verdicts_of
 
 
 @pytest.fixture(scope="module")
 def results() -> Results:
-    return tiny_results(ed_10def, n_trials=4)
+    return simulated_grid(ed_10def, n_trials=4)
 
 
 def test_flight_is_800_steps_due_south():
@@ -99,9 +99,11 @@ def test_table_counts_what_it_says(results: Results):
 
 
 def test_same_bits():
-    assert_same_bits(ed_10def, Cell(preset="thesis", variant="fully-holonomic", offset_deg=RANDOM, n_trials=3))
+    assert same_bits(ed_10def, Cell(preset="thesis", variant="fully-holonomic", offset_deg=RANDOM, n_trials=3))
 
 
 def test_figure_caption_and_verdicts(results: Results):
-    assert_words_and_picture(ed_10def, results)
-    assert_all_judged(ed_10def, "stone2017-ed-10def", ed_10def.summarise(results))
+    verdicts = verdicts_of(ed_10def, "stone2017-ed-10def", results)
+    assert explains_in_numbers(ed_10def, "stone2017-ed-10def", results)
+    assert all(np.isfinite(verdict.ours) for verdict in verdicts)
+    assert f"n = {results.cells[0].n_trials} " in ed_10def.caption(results)

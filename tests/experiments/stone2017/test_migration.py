@@ -9,14 +9,14 @@ from insectnav.central_complex import circuit_params
 from insectnav.experiments.experiment import Results
 from insectnav.experiments.stone2017_path_integration import migration
 from insectnav.experiments.stone2017_path_integration.migration import Cell, biased_circuit, memory_bump
-from tiny_experiments import assert_all_judged, assert_same_bits, assert_words_and_picture, tiny_results
+from small_runs import explains_in_numbers, same_bits, simulated_grid, verdicts_of
 
 GOALS = np.radians([-180.0, -100.0, -45.0, 0.0, 30.0, 90.0, 171.0])
 
 
 @pytest.fixture(scope="module")
 def results() -> Results:
-    return tiny_results(migration, n_trials=16)
+    return simulated_grid(migration, n_trials=16)
 
 
 def angle_deg(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -95,9 +95,11 @@ def test_forced_turn_leaves_the_course_but_not_for_long(results: Results):
 
 
 def test_same_bits():
-    assert_same_bits(migration, Cell(preset="thesis", noise=0.1, store="weights", n_trials=9))
+    assert same_bits(migration, Cell(preset="thesis", noise=0.1, store="weights", n_trials=9))
 
 
 def test_figure_caption_and_verdicts(results: Results):
-    assert_words_and_picture(migration, results)
-    assert_all_judged(migration, "stone2017-migration", migration.summarise(results))
+    verdicts = verdicts_of(migration, "stone2017-migration", results)
+    assert explains_in_numbers(migration, "stone2017-migration", results)
+    assert all(np.isfinite(verdict.ours) for verdict in verdicts)
+    assert f"n = {results.cells[0].n_trials} " in migration.caption(results)

@@ -16,7 +16,7 @@ from insectnav.experiments.stone2017_path_integration.vector_navigation import (
     fly_to_goal,
     unvisited_share,
 )
-from tiny_experiments import assert_all_judged, assert_same_bits, assert_words_and_picture, tiny_results
+from small_runs import explains_in_numbers, same_bits, simulated_grid, verdicts_of
 
 N_TRIALS, SEED = 6, 2
 CIRCUIT = circuit_params()
@@ -30,7 +30,7 @@ LOADED = {  # memory at the start of each flight, from those at A and B
 
 @pytest.fixture(scope="module")
 def results() -> Results:
-    return tiny_results(vector_navigation, n_trials=N_TRIALS)
+    return simulated_grid(vector_navigation, n_trials=N_TRIALS)
 
 
 @pytest.fixture(scope="module")
@@ -100,9 +100,11 @@ def test_unvisited_share_of_a_line_half_along_a_route():
 
 
 def test_same_bits():
-    assert_same_bits(vector_navigation, Cell(preset="thesis", noise=0.1, task="sequence", n_trials=4))
+    assert same_bits(vector_navigation, Cell(preset="thesis", noise=0.1, task="sequence", n_trials=4))
 
 
 def test_figure_caption_and_verdicts(results: Results):
-    assert_words_and_picture(vector_navigation, results)
-    assert_all_judged(vector_navigation, "stone2017-vector-navigation", vector_navigation.summarise(results))
+    verdicts = verdicts_of(vector_navigation, "stone2017-vector-navigation", results)
+    assert explains_in_numbers(vector_navigation, "stone2017-vector-navigation", results)
+    assert all(np.isfinite(verdict.ours) for verdict in verdicts)
+    assert f"n = {results.cells[0].n_trials} " in vector_navigation.caption(results)

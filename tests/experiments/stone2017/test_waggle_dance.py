@@ -10,14 +10,14 @@ from insectnav.experiments.experiment import Results
 from insectnav.experiments.stone2017_path_integration import waggle_dance
 from insectnav.experiments.stone2017_path_integration.straight_flights import fly, straight_flight
 from insectnav.experiments.stone2017_path_integration.waggle_dance import Cell, mirrored_bearing, peak_bearing
-from tiny_experiments import assert_all_judged, assert_same_bits, assert_words_and_picture, tiny_results
+from small_runs import explains_in_numbers, same_bits, simulated_grid, verdicts_of
 
 BEARINGS = np.radians([-170.0, -90.0, -20.0, 0.0, 17.0, 44.0, 135.0])
 
 
 @pytest.fixture(scope="module")
 def results() -> Results:
-    return tiny_results(waggle_dance, n_trials=5)
+    return simulated_grid(waggle_dance, n_trials=5)
 
 
 def sinusoid(bearing: float, amplitude: float = 0.2) -> np.ndarray:
@@ -85,9 +85,11 @@ def test_decoder_of_the_package_is_not_the_mirror_image():
 
 
 def test_same_bits():
-    assert_same_bits(waggle_dance, Cell(preset="thesis", variant="fully-holonomic", noise=0.1, n_trials=3))
+    assert same_bits(waggle_dance, Cell(preset="thesis", variant="fully-holonomic", noise=0.1, n_trials=3))
 
 
 def test_figure_caption_and_verdicts(results: Results):
-    assert_words_and_picture(waggle_dance, results)
-    assert_all_judged(waggle_dance, "stone2017-waggle-dance", waggle_dance.summarise(results))
+    verdicts = verdicts_of(waggle_dance, "stone2017-waggle-dance", results)
+    assert explains_in_numbers(waggle_dance, "stone2017-waggle-dance", results)
+    assert all(np.isfinite(verdict.ours) for verdict in verdicts)
+    assert f"n = {results.cells[0].n_trials} " in waggle_dance.caption(results)

@@ -21,7 +21,9 @@ from insectnav.experiments.place_maps.describing import Described, Remarks, desc
 from insectnav.experiments.place_maps.frames import Frame
 from insectnav.experiments.place_maps.opening import FrameParams, opened
 from insectnav.experiments.place_maps.thumbnails import keep_thumbnails
+from insectnav.experiments.results import check_room
 from insectnav.experiments.store import locked
+from insectnav.matching.place_store import written
 from insectnav.matching.places import MapAbout, PlaceMap
 
 UNFINISHED = "unfinished.json"  # in a map while frames are being added to it
@@ -210,10 +212,16 @@ class _Run:
 
 
 def _existing(path: Path, adds: bool) -> PlaceMap | None:
-    """The map that is there; none where a new one is to be built."""
+    """The map that is there; none where a new one is to be built, for which there is room."""
+    with written(path):
+        return _there(path, adds)
+
+
+def _there(path: Path, adds: bool) -> PlaceMap | None:
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
         if adds:
             raise InputError(f"{quoted(path, 200)} does not exist, expected a map to add to: without --add it is built")
+        check_room(path.absolute(), f"the map {quoted(path, 200)}")
         return None
     if not adds:
         if (path / UNFINISHED).exists():
@@ -221,7 +229,11 @@ def _existing(path: Path, adds: bool) -> PlaceMap | None:
                 f"{quoted(path, 200)} is a map whose building was interrupted, expected --add to go on with it"
             )
         raise InputError(f"{quoted(path, 200)} exists, expected a new name, or --add to add another route to a map")
-    return PlaceMap.open(path)
+    place_map = PlaceMap.open(path)
+    if place_map.is_frozen:
+        raise InputError(f"the map {quoted(path, 200)} is frozen, expected one that can be added to")
+    check_room(path / UNFINISHED, f"the map {quoted(path, 200)}")
+    return place_map
 
 
 def _record(places: Sequence[str], params: FrameParams) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from insectnav.checks import InputError, quoted
-from insectnav.experiments.place_maps.describe import VIEW_SIZE, DescribeParams
+from insectnav.experiments.place_maps.describe import SKY_OF_VECTORS, VIEW_SIZE, DescribeParams
 from insectnav.experiments.place_maps.view_cameras import view_camera
 from insectnav.matching.difference import METRICS
 from insectnav.matching.places import MapAbout
@@ -39,6 +39,8 @@ def chosen_params(given: GivenOptions, about: MapAbout | None, is_vectors: bool)
     """
     if given.metric is not None and given.metric not in METRICS:
         raise InputError(f"--metric {quoted(given.metric)} is unknown, expected one of {', '.join(METRICS)}")
+    if is_vectors and given.camera is not None:
+        raise InputError("--camera is given with features that are computed already, expected it with pictures")
     camera = None if given.camera is None else view_camera(given.camera)
     if about is None:
         usual = OWN if is_vectors else "patch-normalised"
@@ -62,6 +64,8 @@ def chosen_params(given: GivenOptions, about: MapAbout | None, is_vectors: bool)
             )
     sky = about.settings.get("sky")
     if is_vectors:
+        if given.sky is not None:
+            raise InputError(SKY_OF_VECTORS)
         return DescribeParams(descriptor=about.descriptor, metric=about.metric, is_vectors=True)
     if "sky" not in about.settings:
         raise InputError(

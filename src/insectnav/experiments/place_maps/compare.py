@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from insectnav.angles import wrap
 from insectnav.checks import InputError
-from insectnav.experiments.place_maps.describe import COMPARED, ROTATED, TURNED, DescribeParams
+from insectnav.experiments.place_maps.describe import COMPARED, ROTATED, DescribeParams
 from insectnav.experiments.place_maps.view_cameras import grid, grid_resampler
 from insectnav.matching.compass import TurnMatrix, turn_matrix, turns_of_matches
-from insectnav.matching.difference import difference_matrix, prepare_references
+from insectnav.matching.difference import prepare_references
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.rotation import build_rotation_index
+from insectnav.matching.rotation_matches import RotationMatches
 from insectnav.matching.seqslam import Matches, SeqSlamParams, enhance_contrast, matches_from_lines
 
 Reals = NDArray[np.floating[Any]]
@@ -32,10 +33,12 @@ class Compared(NamedTuple):
     matches : Matches
     angles_deg : (query, 3) heading, pitch and roll of the query in the frame of its match [°], NaN where not known;
         None where the descriptor says nothing of it
+    difference : (place, query) after the best turn or rotation, NaN for missing frames; None where it is not kept
     """
 
     matches: Matches
-    angles_deg: Reals | None
+    angles_deg: Reals | None = None
+    difference: Reals | None = None
 
 
 def compare(
@@ -73,32 +76,17 @@ def compare(
     if describe.is_vectors or describe.descriptor not in COMPARED:
         if params.n_steps == 0 and search != "index":
             about.check_same(own, "the queries")
-            return Compared(_most_alike(place_map, features, params, workers), None)
-        return Compared(place_map.locate(features, params, about=own, search=search, workers=workers), None)
+            return Compared(_most_alike(place_map, features, params, workers))
+        return Compared(place_map.locate(features, params, about=own, search=search, workers=workers))
     about.check_same(own, "the queries")
     if search == "index":
         raise InputError(
             f"--search index is given with {describe.descriptor}, expected exact or auto: all are compared"
         )
+    params.check_length(len(features), "query", "queries")
     if describe.descriptor == ROTATED:
-        return _rotated(place_map, features, describe)
+        return _rotated(place_map, features, describe, params, workers)
     return _turned(place_map, features, describe, params, workers)
-
-
-def differences(place_map: PlaceMap, places: NDArray[np.int64], features: Features, describe: DescribeParams) -> Reals:
-    """Difference of some places and some queries, (place, query), as they are compared; of rotations without any.
-
-    Parameters
-    ----------
-    place_map : PlaceMap
-    places : numbers of the places
-    features : (query, feature) array
-    describe : DescribeParams
-    """
-    known = np.asarray(place_map.descriptors[places])
-    if describe.descriptor == TURNED and not describe.is_vectors:
-        return _turn_matrix(known, features, describe, None).difference
-    return difference_matrix(known, features, place_map.about.metric)
 
 
 def _turn_matrix(known: Features, seen: Features, describe: DescribeParams, workers: int | None) -> TurnMatrix:
@@ -123,17 +111,11 @@ def _turned(
     )
     angles = np.full((len(features), 3), np.nan)
     angles[:, 0] = np.rad2deg(wrap(-compass.turn))  # the heading is that of the match less the turn
-    return Compared(matches, angles)
+    return Compared(matches, angles, difference)
 
 
 def _sequences(difference: Reals, routes: NDArray[np.int64], params: SeqSlamParams, workers: int | None) -> Matches:
     """Matches of sequences as `seqslam` gives them, with lines that stay on one route of several."""
-    n_queries = difference.shape[1]
-    if n_queries < params.n_steps + 1:
-        raise InputError(
-            f"there are {n_queries} queries, expected at least {params.n_steps + 1} for sequences of "
-            f"{params.sequence_length} steps: fewer frames than a sequence?"
-        )
     parts = [_lines(difference[routes == route], params, workers) for route in np.unique(routes)]
     sums, speeds = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
     n_seen = np.convolve(~np.isnan(difference).all(axis=0), np.ones(params.n_steps + 1, np.int64), "valid")
@@ -146,7 +128,7 @@ def _sequences(difference: Reals, routes: NDArray[np.int64], params: SeqSlamPara
         if is_told and 2 * n_seen[sequence] >= params.n_steps + 1:
             start[sequence], score[sequence] = best, column[best] / second
     speed = np.where(start >= 0, speeds[start, np.arange(len(start))], -1)
-    return matches_from_lines((start, score, speed), params, n_queries)
+    return matches_from_lines((start, score, speed), params, difference.shape[1])
 
 
 def _lines(difference: Reals, params: SeqSlamParams, workers: int | None) -> tuple[Reals, NDArray[np.int64]]:
@@ -196,24 +178,46 @@ def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> 
     return Matches(reference, score, np.full(n_queries, np.nan))
 
 
-def _rotated(place_map: PlaceMap, features: Features, describe: DescribeParams) -> Compared:
-    """The place that each query fits best after any rotation, over what both saw."""
-    known = np.asarray(place_map.descriptors)
+def _rotated(
+    place_map: PlaceMap, features: Features, describe: DescribeParams, params: SeqSlamParams, workers: int | None
+) -> Compared:
+    """Matches of skies after the best of all rotations, over what both saw: of sequences, or of single skies."""
+    known, routes = np.asarray(place_map.descriptors), np.asarray(place_map.routes)
     seen = grid_resampler(describe.camera, describe.view_size or (0, 0)).seen
     usable = np.flatnonzero(_has_sky_and_ground(known, seen))
     if not usable.size:
         raise InputError("no place of the map has sky and ground, expected some: missing frames, or a covered lens?")
     index = build_rotation_index(np.clip(known[usable], 0.0, 1.0), seen, grid())
-    n_queries = len(features)
-    matches = Matches(np.full(n_queries, -1), np.full(n_queries, np.nan), np.full(n_queries, np.nan))
-    angles = np.full((n_queries, 3), np.nan)
     queries = np.flatnonzero(_has_sky_and_ground(features, seen))
-    if queries.size:
-        found = index.match(np.clip(features[queries], 0.0, 1.0), seen)
-        matches.reference[queries] = usable[found.reference]
-        matches.score[queries] = np.where(np.isnan(found.ratio), 0.0, found.ratio)
-        angles[queries] = np.rad2deg(np.stack([found.heading, found.pitch, found.roll], axis=-1))
-    return Compared(matches, angles)
+    skies, n_queries = np.clip(features[queries], 0.0, 1.0), len(features)
+    difference, angles = np.full((len(known), n_queries), np.nan, np.float32), np.full((n_queries, 3), np.nan)
+    if not queries.size:
+        return Compared(_no_matches(n_queries), angles, difference)
+    single, compared = index.match_and_compare(skies, seen)
+    difference[np.ix_(usable, queries)] = compared.T
+    if params.n_steps == 0:
+        matches = _no_matches(n_queries)
+        matches.reference[queries] = usable[single.reference]
+        matches.score[queries] = np.where(np.isnan(single.ratio), 0.0, single.ratio)
+        angles[queries] = _angles_deg(single)
+        return Compared(matches, angles, difference)
+    matches = _sequences(difference, routes, params, workers)
+    number = np.full(len(known), -1)
+    number[usable] = np.arange(len(usable))
+    for sky, query in zip(skies, queries.tolist(), strict=True):
+        place = matches.reference[query]
+        if place >= 0 and number[place] >= 0:
+            angles[query] = _angles_deg(index.part([number[place]]).match(sky, seen))
+    return Compared(matches, angles, difference)
+
+
+def _no_matches(n_queries: int) -> Matches:
+    return Matches(np.full(n_queries, -1), np.full(n_queries, np.nan), np.full(n_queries, np.nan))
+
+
+def _angles_deg(found: RotationMatches) -> Reals:
+    """Heading, pitch and roll of each query in the frame of its match, (..., 3) [°]."""
+    return np.rad2deg(np.stack([found.heading, found.pitch, found.roll], axis=-1))
 
 
 def _has_sky_and_ground(views: Features, seen: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -39,6 +39,7 @@ VIEW_SIZE = "view_size"  # in the settings of a map
 NO_SKY, MASK = "none", "mask"  # grey instead of the sky; pictures that are masks already
 UNKNOWN = 128  # in a mask
 SKY_METHODS = tuple(name for name in METHODS if name != "fixed")
+SKY_OF_VECTORS = "--sky is given with features that are computed already, expected it with pictures"
 LARGEST_FEATURES = 1_000_000  # of a vector from elsewhere
 
 
@@ -73,7 +74,7 @@ class DescribeParams:
     def __post_init__(self) -> None:
         if self.is_vectors:
             if self.sky is not None:
-                raise InputError("--sky is given with features that are computed already, expected it with pictures")
+                raise InputError(SKY_OF_VECTORS)
             return
         check_choice("descriptor", self.descriptor, NAMES)
         if self.metric not in (None, self.used_metric):

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.checks import InputError
+from insectnav.checks import InputError, counted
 from insectnav.experiments.picture_sources import in_order
 from insectnav.experiments.place_maps.describe import MASK, DescribeParams, describe, looks_like_mask
 from insectnav.experiments.place_maps.frames import Frame
@@ -144,17 +144,21 @@ class Remarks:
         """Notes for a person, without a final stop."""
         said = [f"missing frame {text}" for text in self.missing[:MOST_NAMED]]
         if len(self.missing) > MOST_NAMED:
-            said.append(f"{len(self.missing) - MOST_NAMED} more frames are missing")
+            said.append(counted(len(self.missing) - MOST_NAMED, "more frame is missing", "more frames are missing"))
         if self.missing and metric == "hamming":
             said.append("bits have no value for what is missing: such places have no sky at all")
         if self.n_equal:
             said.append(
-                f"{self.n_equal} of {self.n_frames} frames look just like the one before: the camera stood still; "
+                f"{self._share(self.n_equal, 'looks', 'look')} just like the one before: the camera stood still; "
                 "--every-m takes such places once"
             )
         if self.n_empty:
-            said.append(f"{self.n_empty} of {self.n_frames} frames have nothing to describe, as a blank picture has")
+            said.append(f"{self._share(self.n_empty, 'has', 'have')} nothing to describe, as a blank picture has")
         return said
+
+    def _share(self, number: int, one: str, many: str) -> str:
+        """Some of all frames, with the verb of what they do."""
+        return f"{number} of {counted(self.n_frames, 'frame')} {one if number == 1 else many}"
 
 
 def _without_picture(frame: Frame) -> Frame:

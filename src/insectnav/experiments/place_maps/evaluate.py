@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from insectnav.checks import InputError
-from insectnav.datasets.positions import positions_of_frames, read_positions
+from insectnav.checks import InputError, quoted
 from insectnav.experiments.place_maps.locate import LocateParams, Search, truth_in_frames
 from insectnav.experiments.place_maps.located import Located, numbers, read_matches
 from insectnav.experiments.place_maps.opening import check_one_frame
 from insectnav.experiments.place_maps.page import lead_sentence
 from insectnav.experiments.place_maps.report import summary
 from insectnav.experiments.place_maps.truth import Truth, by_position
+from insectnav.experiments.place_maps.whereabouts import position_table, positions_by_key
 from insectnav.matching.places import MapAbout, PlaceMap
 
 NO_TRUTH = "nothing is known of the truth, expected --same-index, --truth FILE, or --positions FILE with --tolerance-m"
@@ -87,19 +87,20 @@ def _truth(found: Located, params: LocateParams, about: MapAbout | None) -> Trut
     truth = truth_in_frames(found, known, len(found.place_names) if is_whole_map else None)
     if truth is not None:
         return truth
-    if known.tolerance_m is None or where.positions is None:
+    table = position_table(where, about.origin_deg if about else None)
+    if known.tolerance_m is None or where.positions is None or table is None:
         raise InputError(NO_TRUTH)
-    table = read_positions(where.positions, columns=where.columns, origin_deg=about.origin_deg if about else None)
     if about is not None:
         check_one_frame(table.origin_deg, about.origin_deg)
     elif table.origin_deg is not None:
         raise InputError("--positions are latitudes and longitudes, expected --map for the origin of its x and y")
-    if table.name is not None:
-        query = positions_of_frames(table, names=found.names)
-    elif table.time is not None and np.isfinite(found.times).any():
-        query = positions_of_frames(table, times=found.times, max_gap_s=where.max_gap_s)
-    else:
-        query = positions_of_frames(table, frames=found.frames)
+    times = found.times if np.isfinite(found.times).any() else None
+    query = positions_by_key(table, where, found.names, times, found.frames)
+    if query is None:
+        raise InputError(
+            f"{quoted(where.positions, 200)} has times, which the table of matches has not, expected names or numbers "
+            "of frames"
+        )
     source = f"positions of {Path(where.positions).name} (--positions), over the ground"
     return by_position(found.reference, query, found.place_positions, known.tolerance_m, source)
 

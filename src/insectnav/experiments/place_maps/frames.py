@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.checks import InputError, check_count, check_range, quoted
+from insectnav.checks import InputError, check_count, check_range, counted, quoted
 from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS, find_images, natural_order
 from insectnav.datasets.video import video_facts
 from insectnav.experiments.picture_sources import count_pictures, given, sources
@@ -254,8 +254,8 @@ def _of_array(path: Path) -> FrameSource:
     n_vectors = int(array.shape[0])
     if n_vectors > MAX_VECTORS or array.shape[1] > MAX_FEATURES:
         raise InputError(
-            f"{quoted(path.name, 200)} holds {n_vectors} vectors of {array.shape[1]} features, expected at most "
-            f"{MAX_VECTORS:.0e} of {MAX_FEATURES:.0e}"
+            f"{quoted(path.name, 200)} holds {counted(n_vectors, 'vector')} of {counted(array.shape[1], 'feature')}, "
+            f"expected at most {MAX_VECTORS:.0e} of {MAX_FEATURES:.0e}"
         )
     stem = path.stem
 
@@ -301,11 +301,11 @@ def _first_line(error: Exception) -> str:
 
 
 def _of_bag(path: Path, topic: str | None) -> FrameSource:
-    from insectnav.datasets.ros_bag import bag_images
+    from insectnav.datasets.ros_bag import bag_frames
 
     def frames() -> Iterator[Frame]:
-        for number, (time, picture) in enumerate(bag_images(path, topic)):
-            yield Frame(name=f"{path.stem}_{number:06d}", number=number, read=partial(given, picture), time=float(time))
+        for number, frame in enumerate(bag_frames(path, topic)):
+            yield Frame(name=f"{path.stem}_{number:06d}", number=number, read=frame.read, time=frame.time)
 
     return FrameSource(frames=frames(), total=0, kind="bag")
 

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.checks import InputError, check_range, quoted
+from insectnav.checks import InputError, check_range, counted, quoted
 from insectnav.datasets.key_frames import read_key_frames
-from insectnav.experiments.place_maps.compare import compare
-from insectnav.experiments.place_maps.describe import OF_PICTURES, ROTATED, DescribeParams
+from insectnav.experiments.place_maps.compare import Compared, compare
+from insectnav.experiments.place_maps.describe import OF_PICTURES, DescribeParams
 from insectnav.experiments.place_maps.describing import Described, Remarks, described, settled, stacked
 from insectnav.experiments.place_maps.located import Located
 from insectnav.experiments.place_maps.opening import FrameParams, opened
@@ -27,6 +27,7 @@ from insectnav.experiments.place_maps.truth import (
     read_pairs,
     same_index,
 )
+from insectnav.matching.difference import difference_matrix
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.seqslam import SeqSlamParams
 
@@ -122,6 +123,7 @@ class Search:
     ----------
     found : matches, names, positions and truth
     features : (query, feature) of the queries
+    difference : (place, query) after the best turn or rotation; None for other descriptors
     pictures : small ones of the queries, by number
     describe : how frames were described
     notes : what a person must know
@@ -131,11 +133,21 @@ class Search:
 
     found: Located
     features: NDArray[np.float32]
+    difference: NDArray[np.floating[Any]] | None
     pictures: Mapping[int, bytes]
     describe: DescribeParams
     notes: Sequence[str]
     seqslam: SeqSlamParams
     seconds: Mapping[str, float]
+
+    def differences(
+        self, place_map: PlaceMap, places: NDArray[np.int64], queries: NDArray[np.int64]
+    ) -> NDArray[np.floating[Any]]:
+        """Difference of some places and some queries, (place, query), as they were compared."""
+        if self.difference is not None:
+            return self.difference[np.ix_(places, queries)]
+        known = np.asarray(place_map.descriptors[places])
+        return difference_matrix(known, self.features[queries], place_map.about.metric)
 
 
 def locate(
@@ -161,21 +173,20 @@ def locate(
         raise InputError(f"the map {quoted(place_map.path, 200)} is empty, expected places in it")
     given = opened(places, params.frames, about)
     describe, frames, notes = settled(given.frames, given.describe)
-    if describe.descriptor == ROTATED and not describe.is_vectors:
-        params = replace(params, seqslam=replace(params.seqslam, sequence_length=1))
-        notes = [*notes, "rotations are searched frame by frame, without sequences"]
     remarks = Remarks()
     ready = described(frames, describe, params.frames.pictures, params.frames.workers)
     queries, pictures = _collected(ready, remarks, progress)
     features = stacked([one.features for one in queries], _n_features(queries), "")
     middle = time.perf_counter()
-    found = _matched(place_map, queries, features, describe, params)
+    compared = compare(place_map, features, describe, params.seqslam, params.search, params.frames.workers)
+    found = _matched(compared, place_map, queries, params)
     found = replace(found, truth=_truth(found, place_map, params))
     said = _warnings(found, describe.is_vectors, about, params.truth.same_index)
     finished = time.perf_counter()
     return Search(
         found=found,
         features=features,
+        difference=compared.difference,
         pictures=pictures,
         describe=describe,
         notes=[*given.notes, *notes, *remarks.sentences(""), *said],
@@ -203,15 +214,8 @@ def _collected(
     return queries, pictures
 
 
-def _matched(
-    place_map: PlaceMap,
-    queries: Sequence[Described],
-    features: NDArray[np.float32],
-    describe: DescribeParams,
-    params: LocateParams,
-) -> Located:
+def _matched(compared: Compared, place_map: PlaceMap, queries: Sequence[Described], params: LocateParams) -> Located:
     """Matches with names and positions."""
-    compared = compare(place_map, features, describe, params.seqslam, params.search, params.frames.workers)
     matches = compared.matches
     positions = np.stack([one.frame.position for one in queries])
     return Located(
@@ -286,12 +290,12 @@ def _warnings(found: Located, is_vectors: bool, about: MapAbout, is_same_index: 
         said.append(slip)
     half = found.half_sequence
     if half:
-        said.append(f"the first and last {half} queries have no match, since a sequence does not reach beyond them")
+        ends = "the first and the last query have" if half == 1 else f"the first and last {half} queries have"
+        said.append(f"{ends} no match, since a sequence does not reach beyond them")
     inner = found.has_sequence & ~found.is_matched
     if inner.any():
-        said.append(
-            f"{int(inner.sum())} more queries have no match: too many frames missing, or nothing tells places apart"
-        )
+        more = counted(int(inner.sum()), "more query has", "more queries have")
+        said.append(f"{more} no match: too many frames missing, or nothing tells places apart")
     return said
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, quoted
-from insectnav.experiments.place_maps.truth import Truth, read_rows
+from insectnav.experiments.place_maps.truth import Truth, read_cells
 from insectnav.metrics.retrieval import (
     PrecisionRecall,
     area_under_curve,
@@ -218,54 +218,53 @@ def read_matches(path: str | os.PathLike[str]) -> Located:
         If it is no such table.
     """
     place = Path(path)
-    rows = read_rows(place)
+    lines, cells = read_cells(place)
     shown = quoted(place.name, 200)
-    needed = ("query", "reference", "score")
-    missing = [name for name in needed if not rows or name not in rows[0]]
+    missing = [name for name in ("query", "reference", "score") if name not in cells]
     if missing:
         raise InputError(
             f"{shown} lacks the column{'s' if len(missing) > 1 else ''} {', '.join(missing)}, expected a table of "
             "matches as `insectnav map locate` writes it"
         )
-    values = {name: _column(rows, name, shown) for name in READ_COLUMNS}
-    if not np.array_equal(values["query"], np.arange(len(rows))):
+    values = {name: _column(cells, name, lines, shown) for name in READ_COLUMNS}
+    if not np.array_equal(values["query"], np.arange(len(lines))):
         raise InputError(
             f"{shown} does not number its queries 0, 1, 2, …, expected all of them in order: sorted or cut?"
         )
-    reference = _whole_numbers(values["reference"], "reference", -1, shown)
-    routes = _whole_numbers(np.where(reference >= 0, values["route"], 0.0), "route", 0, shown)
+    reference = _whole_numbers(values["reference"], "reference", -1, lines, shown)
+    routes = _whole_numbers(np.where(reference >= 0, values["route"], 0.0), "route", 0, lines, shown)
     frames = np.where(np.isnan(values["frame"]), values["query"], values["frame"])
-    return _without_map(rows, reference, routes, _whole_numbers(frames, "frame", 0, shown), values)
+    return _without_map(cells, reference, routes, _whole_numbers(frames, "frame", 0, lines, shown), values)
 
 
-def _whole_numbers(values: Reals, name: str, missing: int, shown: str) -> Integers:
+def _whole_numbers(values: Reals, name: str, missing: int, lines: Integers, shown: str) -> Integers:
     """Values of a column that counts, from `missing`, which an empty cell stands for."""
     counts = np.where(np.isnan(values), missing, values)
     is_off = (counts != np.round(counts)) | (counts < missing) | (counts > MAX_PLACES)
     if is_off.any():
         row = int(np.argmax(is_off))
         raise InputError(
-            f"line {row + 2} of {shown} has the {name} {counts[row]:g}, expected a whole number from {missing} to "
+            f"line {lines[row]} of {shown} has the {name} {counts[row]:g}, expected a whole number from {missing} to "
             f"{MAX_PLACES}"
         )
     return np.asarray(counts, np.int64)
 
 
 def _without_map(
-    rows: list[dict[str, str]], reference: Integers, route: Integers, frames: Integers, values: dict[str, Reals]
+    cells: dict[str, list[str]], reference: Integers, route: Integers, frames: Integers, values: dict[str, Reals]
 ) -> Located:
     """Of the map the places that were matched: those in between have neither names nor positions."""
     n_places = int(reference.max(initial=0)) + 1  # one at least, which no query matches if none has a match
     names, positions = [""] * n_places, np.full((n_places, 3), np.nan)
-    routes = np.zeros(n_places, np.int64)
-    for row, place in zip(rows, reference.tolist(), strict=True):
+    routes, unnamed = np.zeros(n_places, np.int64), [""] * len(reference)
+    for name, place in zip(cells.get("reference_name", unnamed), reference.tolist(), strict=True):
         if place >= 0:
-            names[place] = row.get("reference_name", "")
+            names[place] = name
     seen = reference[reference >= 0]
     routes[seen] = route[reference >= 0]
     positions[seen] = np.stack([values[axis] for axis in "xyz"], axis=-1)[reference >= 0]
     return Located(
-        names=[row.get("name", "") for row in rows],
+        names=cells.get("name", unnamed),
         times=values["time_s"],
         reference=reference,
         score=values["score"],
@@ -278,15 +277,15 @@ def _without_map(
     )
 
 
-def _column(rows: list[dict[str, str]], name: str, shown: str) -> Reals:
-    values = np.full(len(rows), np.nan)
-    for number, row in enumerate(rows):
-        if text := row.get(name, "").strip():
+def _column(cells: dict[str, list[str]], name: str, lines: Integers, shown: str) -> Reals:
+    values = np.full(len(lines), np.nan)
+    for number, text in enumerate(cells.get(name, ())):
+        if text:
             try:
                 values[number] = float(text)
             except ValueError:
                 raise InputError(
-                    f"line {number + 2} of {shown} has the {name} {quoted(text)}, expected a number"
+                    f"line {lines[number]} of {shown} has the {name} {quoted(text)}, expected a number"
                 ) from None
     return values
 

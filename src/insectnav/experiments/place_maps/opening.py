@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from insectnav.checks import InputError
+from insectnav.checks import InputError, counted
 from insectnav.experiments.place_maps.choices import GivenOptions, chosen_params
 from insectnav.experiments.place_maps.describe import DescribeParams
 from insectnav.experiments.place_maps.frames import Frame, FrameSource, Thinning, open_frames, thinned
@@ -64,7 +64,8 @@ class Opened:
         said = list(self.file_notes)
         if self.left_out:
             lack = "position" if self.thinning.every_m is not None else "time"
-            said.append(f"{len(self.left_out)} frames without a known {lack} are left out, such as {self.left_out[0]}")
+            some = counted(len(self.left_out), f"frame without a known {lack} is", f"frames without a known {lack} are")
+            said.append(f"{some} left out, such as {self.left_out[0]}")
         return said
 
 

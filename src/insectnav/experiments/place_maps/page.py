@@ -10,6 +10,7 @@ from datetime import datetime
 from typing import Any
 
 from insectnav import __version__
+from insectnav.checks import counted
 from insectnav.experiments.page_parts import page_row, page_table, safe_text, whole_page
 from insectnav.experiments.place_maps.page_style import STYLE
 from insectnav.experiments.place_maps.pairs import Pair
@@ -79,7 +80,8 @@ def _head(page: PlacePage) -> str:
     )
     shown = [f'<p class="note"><strong>Note:</strong> {safe_text(note)}.</p>' for note in page.notes[:MOST_NOTES]]
     if len(page.notes) > MOST_NOTES:
-        shown.append(f'<p class="note">And {len(page.notes) - MOST_NOTES} more notes: see summary.json.</p>')
+        more = counted(len(page.notes) - MOST_NOTES, "more note")
+        shown.append(f'<p class="note">And {more}: see summary.json.</p>')
     return f"""<h1>{safe_text(page.title)}</h1>
 <p class="lead">{safe_text(page.lead)}</p>
 <ul class="tiles">
@@ -162,8 +164,8 @@ def _settings(page: PlacePage) -> str:
 def lead_sentence(numbers: Mapping[str, Any]) -> str:
     """What came out, for the head of a page and the end of a command."""
     queries, kept = numbers["queries"], numbers["kept"]
-    where = "" if numbers["places"] is None else f" in a map of {numbers['places']} places"
-    sentence = f"{kept} of {queries} frames were found{where}"
+    where = "" if numbers["places"] is None else f" in a map of {counted(numbers['places'], 'place')}"
+    sentence = f"{kept} of {counted(queries, 'frame')} {'was' if kept == 1 else 'were'} found{where}"
     if "right" not in numbers:
         return sentence + "."
     judged, right = numbers["kept_judged"], numbers["kept_right"]
@@ -171,4 +173,4 @@ def lead_sentence(numbers: Mapping[str, Any]) -> str:
         return sentence + "; none of these can be judged."
     within = f"within {quantity(numbers['tolerance'], numbers['unit'])}"
     of_these = "of these" if judged == kept else f"of the {judged} that can be judged"
-    return sentence + f"; {of_these} {right} are right, {within}."
+    return sentence + f"; {of_these} {right} {'is' if right == 1 else 'are'} right, {within}."

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.checks import InputError, quoted
+from insectnav.checks import InputError, counted, quoted
 from insectnav.experiments.figures import save_figure
 from insectnav.experiments.place_maps import figures
-from insectnav.experiments.place_maps.compare import differences
 from insectnav.experiments.place_maps.describe import ROTATED, TURNED
 from insectnav.experiments.place_maps.locate import LocateParams, Search
 from insectnav.experiments.place_maps.located import Located, numbers, write_rows
@@ -27,6 +26,7 @@ from insectnav.experiments.place_maps.truth import quantity
 from insectnav.experiments.results import (
     PROVENANCE,
     check_destination,
+    check_room,
     provenance,
     results_folder,
     to_json,
@@ -42,6 +42,7 @@ PRECISION_CAPTION = [
     ("a", "Precision over recall as ever worse scores are kept; the dot keeps all."),
     ("b", "Scores of right and wrong matches: a robot keeps those below a threshold that parts them."),
 ]
+AFTER_THE_BEST = {TURNED: "after the best turn", ROTATED: "after the best rotation, over what both saw"}
 TABLE, PAGE, SUMMARY, FIGURES = "matches.csv", "page.html", "summary.json", "figures"
 SAID = {  # of the numbers: what they are called, how they are written, what they are
     "queries": ("Queries", "d", "frames that were looked for"),
@@ -142,7 +143,7 @@ class Destinations:
         if folder is None and table is None and page is None:
             folder = usual
         if folder is not None:
-            check_destination(folder)
+            check_destination(folder, "--out-dir")
         return cls(table=table, page=page, folder=folder)
 
     @property
@@ -175,7 +176,7 @@ def leave(
     result = summary(search, params, place_map)
     table = table_text(search.found)
     if places.folder is not None:
-        with results_folder(places.folder) as folder, written_to(places.folder):
+        with results_folder(places.folder, "--out-dir") as folder, written_to(places.folder, "--out-dir"):
             (folder / TABLE).write_text(table, encoding="utf-8", newline="")
             (folder / FIGURES).mkdir()
             page = page_text(search, params, place_map, title, folder / FIGURES)
@@ -192,23 +193,24 @@ def leave(
 
 def _check_new_file(option: str, path: Path) -> None:
     """Refuse a file that is there, unless it was made by the same option, and a place that cannot be written."""
-    shown = quoted(path, 200)
-    if path.is_dir():
-        raise InputError(f"{option} {shown} is a folder, expected the name of a file")
-    if path.exists():
-        raise InputError(f"{option} {shown} exists, expected a new name: remove it first")
-    if not path.absolute().parent.is_dir():
-        raise InputError(f"{option} {shown} is in a folder that does not exist, expected one that does")
+    shown = f"{option} {quoted(path, 200)}"
+    with written_to(path, option):
+        if path.is_dir():
+            raise InputError(f"{shown} is a folder, expected the name of a file")
+        if path.exists():
+            raise InputError(f"{shown} exists, expected a new name: remove it first")
+        if not path.absolute().parent.exists():
+            raise InputError(f"{shown} is in a folder that does not exist, expected one that does")
+        check_room(path.absolute(), shown)
 
 
 def _write_whole(option: str, path: Path, text: str) -> None:
     """A file that appears whole or not at all."""
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    temporary = path.with_name(f".{secrets.token_hex(8)}.part")
     try:
-        temporary.write_text(text, encoding="utf-8", newline="")
-        temporary.replace(path)
-    except OSError as error:
-        raise InputError(f"{option} {quoted(path, 200)} cannot be written ({error.strerror})") from None
+        with written_to(path, option):
+            temporary.write_text(text, encoding="utf-8", newline="")
+            temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -257,7 +259,7 @@ def _drawn(search: Search, place_map: PlaceMap) -> list[tuple[str, Figure, str, 
     """Name, figure, heading and caption of all that can be drawn."""
     found = search.found
     places, queries = (figures.drawn_numbers(n) for n in (len(found.place_names), len(found.names)))
-    difference = differences(place_map, places, search.features[queries], search.describe)
+    difference = search.differences(place_map, places, queries)
     drawings = [
         ("matches", figures.draw_matches(found, difference, places, queries), "Matches", _match_caption(search)),
         ("precision", figures.draw_precision(found), "Precision and recall", PRECISION_CAPTION),
@@ -272,7 +274,7 @@ def _match_caption(search: Search) -> Caption:
     line = f"; the line is the truth: {truth.source}" if truth is not None else ""
     how = describe.used_metric
     if not describe.is_vectors:
-        how = {TURNED: "after the best turn", ROTATED: "without any rotation"}.get(describe.descriptor, how)
+        how = AFTER_THE_BEST.get(describe.descriptor, how)
     return [
         ("a", f"The match of each query in the map, {kinds}{line}."),
         ("b", f"How different each query is from each place ({how}), dark where alike, with the matches in it."),
@@ -357,7 +359,7 @@ def _search_in_words(search: Search, by: str) -> str:
     known = steps[np.isfinite(steps)]
 
     def places(count: int) -> str:
-        return f"{count} places" + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
+        return counted(count, "place") + (f" ({count * float(np.median(known)):.3g} m)" if known.size else "")
 
     around = places(seqslam.unique_window // 2)
     if not seqslam.n_steps:
@@ -376,8 +378,9 @@ def _settings(search: Search, params: LocateParams, place_map: PlaceMap) -> list
     """Everything that was set or assumed."""
     found = search.found
     origin = place_map.about.origin_deg
+    places, routes = counted(place_map.n_places, "place"), counted(int(found.place_routes.max()) + 1, "route")
     rows = [
-        ("Map", f"{place_map.path}, {place_map.n_places} places on {int(found.place_routes.max()) + 1} routes"),
+        ("Map", f"{place_map.path}, {places} on {routes}"),
         *search.describe.in_words(),
         ("Frames taken", params.frames.thinning.in_words),
         ("Matched by", _search_in_words(search, params.search)),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_range, quoted
+from insectnav.datasets.track_table import open_table, read_columns
 from insectnav.metrics.place_truth import true_matches_by_frames, true_matches_by_position
 from insectnav.metrics.retrieval import position_error
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
 Bools = NDArray[np.bool_]
-MAX_BYTES = 1_000_000_000  # of a table
 QUERY_COLUMNS, REFERENCE_COLUMNS = ("query", "query_name"), ("reference", "reference_name")
 
 
@@ -200,50 +199,41 @@ def read_pairs(
     InputError
         If it is no such table, or names what is not there.
     """
-    place = Path(path)
-    rows = read_rows(place)
-    shown = quoted(place.name, 200)
-    header = list(rows[0]) if rows else []
-    query = next((name for name in QUERY_COLUMNS if name in header), None)
-    reference = next((name for name in REFERENCE_COLUMNS if name in header), None)
+    lines, cells = read_cells(Path(path))
+    shown = quoted(Path(path).name, 200)
+    query = next((name for name in QUERY_COLUMNS if name in cells), None)
+    reference = next((name for name in REFERENCE_COLUMNS if name in cells), None)
     if query is None or reference is None:
-        raise InputError(f"--truth {shown} has the columns {', '.join(header) or 'none'}, expected query and reference")
+        raise InputError(f"--truth {shown} has the columns {', '.join(cells)}, expected query and reference")
     of_query, of_reference = _numbers_by_name(query_names), _numbers_by_name(reference_names)
     pairs: dict[int, int] = {}
-    for number, row in enumerate(rows, 2):
-        own = _number(row[query], of_query, f"line {number} of --truth {shown} names the query")
-        text = row[reference].strip()
+    for line, own_text, text in zip(lines, cells[query], cells[reference], strict=True):
+        own = _number(own_text, of_query, f"line {line} of --truth {shown} names the query")
         known = (
-            -1
-            if text in ("", "-1")
-            else _number(text, of_reference, f"line {number} of --truth {shown} names the place")
+            -1 if text in ("", "-1") else _number(text, of_reference, f"line {line} of --truth {shown} names the place")
         )
         if pairs.setdefault(own, known) != known:
             raise InputError(
-                f"line {number} of --truth {shown} gives query {own} another place than a line above, expected one "
+                f"line {line} of --truth {shown} gives query {own} another place than a line above, expected one "
                 "for each: names that are numbers, which count before the numbers from 0?"
             )
     return pairs
 
 
-def read_rows(path: Path) -> list[dict[str, str]]:
-    """Rows of a table with a header.
+def read_cells(path: Path) -> tuple[Integers, dict[str, list[str]]]:
+    """Lines (row,) of a table with a header, and the cells of each column, by its name.
 
     Raises
     ------
     InputError
-        If it cannot be read.
+        If it is no such table.
     """
-    shown = quoted(path.name, 200)
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise InputError(f"{shown} has {path.stat().st_size} bytes, expected a table of at most {MAX_BYTES:.0e}")
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            return [{str(key): value or "" for key, value in row.items()} for row in csv.DictReader(file)]
-    except OSError as error:
-        raise InputError(f"{shown} cannot be read ({error.strerror}), expected a table") from None
-    except (UnicodeDecodeError, csv.Error):
-        raise InputError(f"{shown} is no table of text, expected CSV with a header") from None
+        table = open_table(path)
+        lines, _, columns = read_columns(table, [], list(range(len(table.header))))
+    except InputError as error:
+        raise InputError(f"{quoted(path.name, 200)}: {error}") from None
+    return lines, dict(zip(table.header, columns, strict=True))
 
 
 def _numbers_by_name(names: Sequence[str]) -> dict[str, Any]:
@@ -254,7 +244,7 @@ def _numbers_by_name(names: Sequence[str]) -> dict[str, Any]:
 
 
 def _number(text: str, names: Mapping[str, Any], start: str) -> int:
-    if (number := names.get(text.strip())) is not None:
+    if (number := names.get(text)) is not None:
         return int(number)
     try:
         return int(text)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,10 +13,11 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_range, quoted
 from insectnav.datasets.frame_times import times_of_frames
-from insectnav.datasets.positions import MAX_GAP_S, Positions, positions_of_frames, read_positions
+from insectnav.datasets.positions import MAX_GAP_S, Positions, is_gps, positions_of_frames, read_positions
 from insectnav.experiments.place_maps.frames import NOWHERE, Frame, FrameSource, is_bag
 
 Reals = NDArray[np.floating[Any]]
+Names = Sequence[str | PathLike[str]]
 Origin = tuple[float, float] | None
 
 
@@ -73,9 +75,13 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
     InputError
         If a file cannot be read, or has nothing to say on these frames.
     """
-    table = _table(where, origin_deg)
+    table = position_table(where, origin_deg)
     if source.kind == "bag":
         return _of_recording(source, where, table)
+    if where.time_offset_s and where.times is None and not source.has_times:
+        raise InputError("--time-offset is given without --times, expected to know when the frames were taken")
+    if where.time_offset_s and where.times is None and not source.has_times:
+        raise InputError("--time-offset is given without --times, expected to know when the frames were taken")
     if where.times is None and table is None and not np.isfinite(source.frame_rate):
         return Placed(source, None, ())
     if source.kind == "films" or not source.total:
@@ -105,14 +111,27 @@ def _remarks(places: Reals, where: Whereabouts) -> tuple[str, ...]:
     return (f"no frame has a position, since {quoted(where.positions, 200)} has none of x and y for them",)
 
 
-def _table(where: Whereabouts, origin_deg: Origin) -> Positions | None:
-    """Positions of a file, or of the recording of a robot; None if none are given."""
+def position_table(where: Whereabouts, origin_deg: Origin) -> Positions | None:
+    """Positions of a file, or of the recording of a robot; None if none are given.
+
+    Parameters
+    ----------
+    where : Whereabouts
+    origin_deg : of the map, for latitudes and longitudes; None for the first of these
+
+    Raises
+    ------
+    InputError
+        If they cannot be read, or are not of the kind that an option is for.
+    """
     if where.positions is None:
         for option, value in (("--position-columns", where.columns), ("--position-topic", where.position_topic)):
             if value is not None:
                 raise InputError(f"{option} is given without --positions, expected both")
         return None
     path = Path(where.positions)
+    if where.columns is not None and (is_bag(path) or is_gps(path)):
+        raise InputError(f"--position-columns is given with {quoted(path, 200)}, which is no table, expected one")
     if is_bag(path):
         from insectnav.datasets.ros_bag import bag_positions
 
@@ -156,13 +175,10 @@ def _check_forwards(times: Reals, source: FrameSource) -> None:
 def _positions(
     source: FrameSource, where: Whereabouts, table: Positions, times: Reals | None, numbers: NDArray[np.int64]
 ) -> Reals:
-    """Positions of all frames (frame, 3) [m]: by name where the table has names, else by time, else by number."""
-    if table.name is not None and source.files:
-        return positions_of_frames(table, names=source.files)
-    if table.time is not None and times is not None:
-        return positions_of_frames(table, times=times, max_gap_s=where.max_gap_s)
-    if table.frame is not None:
-        return positions_of_frames(table, frames=numbers)
+    """Positions of all frames (frame, 3) [m]."""
+    places = positions_by_key(table, where, source.files or None, times, numbers)
+    if places is not None:
+        return places
     if table.time is None:
         raise InputError(
             f"{quoted(where.positions, 200)} has names of files, expected times or numbers of frames for those of a "
@@ -172,6 +188,42 @@ def _positions(
         f"{quoted(where.positions, 200)} has times, expected --times to say when the frames were taken: names, exif, "
         "frames per second, or a table"
     )
+
+
+def positions_by_key(
+    table: Positions, where: Whereabouts, names: Names | None, times: Reals | None, numbers: NDArray[np.int64] | None
+) -> Reals | None:
+    """Positions (frame, 3) [m]: by name where the table has names, else by time, else by number; None if it has none.
+
+    Parameters
+    ----------
+    table : Positions
+    where : Whereabouts
+    names, times, numbers : of the frames; None if unknown
+
+    Raises
+    ------
+    InputError
+        If no frame is in the table, or a gap is given to positions that are not found by time.
+    """
+    if table.name is not None and names is not None:
+        _check_no_gap(where, "names")
+        return positions_of_frames(table, names=names)
+    if table.time is not None and times is not None:
+        return positions_of_frames(table, times=times, max_gap_s=where.max_gap_s)
+    if table.frame is not None and numbers is not None:
+        _check_no_gap(where, "numbers")
+        return positions_of_frames(table, frames=numbers)
+    return None
+
+
+def _check_no_gap(where: Whereabouts, key: str) -> None:
+    """Refuse a longest gap where nothing is interpolated."""
+    if where.max_gap_s != MAX_GAP_S:
+        raise InputError(
+            f"--max-gap is given with {quoted(where.positions, 200)}, which has the {key} of the frames, expected it "
+            "with positions between which a time lies"
+        )
 
 
 def _of_recording(source: FrameSource, where: Whereabouts, table: Positions | None) -> Placed:

@@ -10,7 +10,7 @@ import numpy as np
 
 from insectnav.experiments.experiment import Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge
+from insectnav.experiments.published import Published, Verdict, judge, surplus, with_error
 from insectnav.experiments.stone2014_places import compass_runs, fig_4ab
 from insectnav.experiments.stone2014_places.compass_runs import CompassRun, both_directions, queries_of
 from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, TOLERANCES, Pair, share_of
@@ -155,20 +155,15 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
     uv, after = rows[UV], rows[UV_AFTER]
     visible = max((rows[GREY], rows[COLOUR]), key=lambda row: row["precision"])
     ours = {
-        "precision, UV": (uv["precision"], uv["precision_error"]),
-        "precision, visible": (visible["precision"], visible["precision_error"]),
-        "precision, UV less visible": _less(uv, visible, "precision"),
-        "directions that lead away, visible less UV": _less(visible, uv, "leads_away"),
+        "precision, UV": with_error(uv, "precision"),
+        "precision, visible": with_error(visible, "precision"),
+        "precision, UV less visible": surplus(uv, visible, "precision"),
+        "directions that lead away, visible less UV": surplus(visible, uv, "leads_away"),
         "direction off the course, median, UV": (uv["median_astray_deg"], 0.0),
-        "precision, SeqSLAM first less compass alone, UV": _less(after, uv, "precision"),
+        "precision, SeqSLAM first less compass alone, UV": surplus(after, uv, "precision"),
     }
     why, part = _why(rows), whole_or_why_not(uv["n_frames"])
     return [judge(value, *ours[value.quantity], why=why, not_comparable=part) for value in published.values()]
-
-
-def _less(one: Mapping[str, Any], other: Mapping[str, Any], name: str) -> tuple[float, float]:
-    """Difference of two shares and its standard error, as if they were drawn apart."""
-    return one[name] - other[name], float(np.hypot(one[f"{name}_error"], other[f"{name}_error"]))
 
 
 def _why(rows: Mapping[str, Mapping[str, Any]]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge
+from insectnav.experiments.published import Published, Verdict, judge, surplus
 from insectnav.experiments.stone2014_places import compass_runs
 from insectnav.experiments.stone2014_places.compass_runs import both_directions, queries_of
 from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, Score, pooled, route_pairs, share_of
@@ -176,6 +176,5 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
         if name not in rows:
             verdicts.append(judge(value, float("nan"), not_comparable=missing))
             continue
-        error = float(np.hypot(rows[name][f"{column}_error"], as_set[f"{column}_error"]))
-        verdicts.append(judge(value, rows[name][column] - as_set[column], error, why=why))
+        verdicts.append(judge(value, *surplus(rows[name], as_set, column), why=why))
     return verdicts

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,8 +10,8 @@ import numpy as np
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge
-from insectnav.experiments.stone2014_sky_segmentation.photographs import FullSpectrum, Photograph, shown, take
-from insectnav.experiments.stone2014_sky_segmentation.scenes import SCENES, lit_scene
+from insectnav.experiments.stone2014_sky_segmentation.photographs import FullSpectrum, Photograph, shown
+from insectnav.experiments.stone2014_sky_segmentation.table_1 import Cell, photograph_of
 from insectnav.experiments.stone2014_sky_segmentation.table_1_panels import label_picture
 from insectnav.experiments.stone2014_sky_segmentation.ways import IN_TABLE, LIGHT_NAMES, sky_mask
 from insectnav.metrics.segmentation import accuracy
@@ -29,15 +28,6 @@ N_PIXELS = 200  # drawn, as published
 N_SHOWN = 150  # [px] width of the pictures in the figure
 
 
-@dataclass(frozen=True, kw_only=True)
-class Cell:
-    """One scene; parameters as of `table_1.Cell`."""
-
-    scene: str
-    reduction: int
-    supersampling: int
-
-
 def grid(scale: str) -> Sequence[Cell]:
     """Two scenes."""
     reduction = 1 if scale == "full" else 4
@@ -46,9 +36,7 @@ def grid(scale: str) -> Sequence[Cell]:
 
 def simulate(cell: Cell, seed: int) -> Arrays:
     """Pictures, labels, a random sample of pixels, and how far sky and ground lie apart in each band."""
-    number = [scene.name for scene in SCENES].index(cell.scene)
-    scene, how = SCENES[number], FullSpectrum(reduction=cell.reduction, supersampling=cell.supersampling)
-    picture = take(lit_scene(number), scene.eye_height, float(np.deg2rad(scene.pitch_deg)), how, seed)
+    picture = photograph_of(cell, seed)
     ways = [next(way for way in IN_TABLE if (way.method, way.light) == ("kmeans", light)) for light in LIGHTS]
     masks = np.stack([sky_mask(picture, way, seed) for way in ways])
     draws = np.random.default_rng(seed).choice(picture.sky.size, N_PIXELS, replace=False)

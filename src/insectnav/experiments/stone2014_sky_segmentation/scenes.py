@@ -150,3 +150,4 @@ SCENES = (
         clock="18:30", facing_deg=270.0, weather="clear", pitch_deg=10.0,
     ),
 )  # fmt: skip
+NUMBERS = {scene.name: number for number, scene in enumerate(SCENES)}

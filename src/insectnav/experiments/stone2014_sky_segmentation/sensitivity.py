@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +16,8 @@ from insectnav.experiments.stone2014_sky_segmentation.photographs import (
     seen_share_of_sun,
     view,
 )
-from insectnav.experiments.stone2014_sky_segmentation.scenes import SCENES, lit_scene
+from insectnav.experiments.stone2014_sky_segmentation.scenes import NUMBERS, SCENES, lit_scene
+from insectnav.experiments.stone2014_sky_segmentation.table_1 import Cell
 from insectnav.experiments.stone2014_sky_segmentation.variations import AS_SET, VARIATIONS, varied_camera
 from insectnav.experiments.stone2014_sky_segmentation.ways import WAYS, sky_mask
 from insectnav.metrics.segmentation import accuracy
@@ -33,15 +33,6 @@ NAMES = tuple(way.name for way in TRIED)
 QUICK = (6, 8)  # numbers of the scenes of the quick grid
 
 
-@dataclass(frozen=True, kw_only=True)
-class Cell:
-    """One scene with all variations; parameters as of `table_1.Cell`."""
-
-    scene: str
-    reduction: int
-    supersampling: int
-
-
 def grid(scale: str) -> Sequence[Cell]:
     """All scenes at 151 × 100 pixels, or two of them at 75 × 50."""
     if scale == "full":
@@ -51,7 +42,7 @@ def grid(scale: str) -> Sequence[Cell]:
 
 def simulate(cell: Cell, seed: int) -> Arrays:
     """Accuracy of each way under each variation."""
-    number = [scene.name for scene in SCENES].index(cell.scene)
+    number = NUMBERS[cell.scene]
     scene, lit = SCENES[number], lit_scene(number)
     pitch = float(np.deg2rad(scene.pitch_deg))
     how = FullSpectrum(reduction=cell.reduction, supersampling=cell.supersampling)

@@ -13,8 +13,8 @@ import numpy as np
 
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.published import Published, Verdict, judge
-from insectnav.experiments.stone2014_sky_segmentation.photographs import FullSpectrum, shown, take
-from insectnav.experiments.stone2014_sky_segmentation.scenes import SCENES, lit_scene
+from insectnav.experiments.stone2014_sky_segmentation.photographs import FullSpectrum, Photograph, shown, take
+from insectnav.experiments.stone2014_sky_segmentation.scenes import NUMBERS, SCENES, lit_scene
 from insectnav.experiments.stone2014_sky_segmentation.table_1_panels import draw_scenes
 from insectnav.experiments.stone2014_sky_segmentation.ways import WAYS, sky_mask
 from insectnav.metrics.paired_tests import paired_wilcoxon, variance_ratio
@@ -53,11 +53,16 @@ def grid(scale: str) -> Sequence[Cell]:
     return [Cell(scene=SCENES[number].name, reduction=8, supersampling=4) for number in QUICK]
 
 
+def photograph_of(cell: Cell, seed: int) -> Photograph:
+    """The photograph that is taken of the scene of a cell."""
+    number = NUMBERS[cell.scene]
+    scene, how = SCENES[number], FullSpectrum(reduction=cell.reduction, supersampling=cell.supersampling)
+    return take(lit_scene(number), scene.eye_height, float(np.deg2rad(scene.pitch_deg)), how, seed)
+
+
 def simulate(cell: Cell, seed: int) -> Arrays:
     """Accuracy of each way, and the pictures and labels that are shown."""
-    number = [scene.name for scene in SCENES].index(cell.scene)
-    scene, how = SCENES[number], FullSpectrum(reduction=cell.reduction, supersampling=cell.supersampling)
-    picture = take(lit_scene(number), scene.eye_height, float(np.deg2rad(scene.pitch_deg)), how, seed)
+    picture = photograph_of(cell, seed)
     masks = [sky_mask(picture, way, seed) for way in WAYS]
     right = np.array([accuracy(mask, picture.sky) for mask in masks])
     step = max(1, round(picture.uv.shape[1] / N_SHOWN))
@@ -82,7 +87,7 @@ def summarise(results: Results) -> Table:
     """A row for each scene, then mean, standard deviation and tests over all."""
     rows: list[dict[str, Any]] = []
     for cell, arrays in results:
-        named = next(scene.is_named for scene in SCENES if scene.name == cell.scene)
+        named = SCENES[NUMBERS[cell.scene]].is_named
         kind = "rendered, named in Table I" if named else "rendered, of the same kinds"
         rows.append(_row(cell.scene, kind, float(arrays["sky_share"]), arrays["accuracy"]))
     right = results["accuracy"]

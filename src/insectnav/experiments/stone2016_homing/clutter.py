@@ -22,7 +22,7 @@ from insectnav.experiments.stone2016_homing.places import (
     areas,
     open_world,
     stands_in,
-    surfaces,
+    surfaces_of,
 )
 
 if TYPE_CHECKING:
@@ -78,15 +78,8 @@ def grid(scale: str) -> Sequence[Cell]:
 def simulate(cell: Cell, seed: int) -> Arrays:
     """Catchment area of each place by each comparison, in one world."""
     changes = {"clearing": cell.clearing} if stands_in(cell.world) else {}
-    found = surfaces(
-        open_world(cell.world, cell.world_seed, **changes),
-        cell.corner,
-        cell.spacing,
-        cell.heading,
-        measures_by(NAMES),
-        seed=seed,
-        supersampling=cell.supersampling,
-    )
+    world = open_world(cell.world, cell.world_seed, **changes)
+    found = surfaces_of(cell, world, measures_by(NAMES), seed)
     area = [areas(found[name], cell.spacing, SUCCESS_CELLS * cell.spacing) for name in NAMES]
     return {"area": (("comparison", "reference"), np.array(area, np.float32), {"units": "m2"})}
 

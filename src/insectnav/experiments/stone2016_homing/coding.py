@@ -26,7 +26,7 @@ from insectnav.experiments.stone2016_homing.places import (
     roughness,
     stage,
     stands_in,
-    surfaces,
+    surfaces_of,
 )
 from insectnav.vision.descriptors import (
     frequency_strip,
@@ -115,11 +115,7 @@ class CodeDistances:
 
 def simulate(cell: Cell, seed: int) -> Arrays:
     """Catchment area of each place by each code."""
-    world = open_world(cell.world)
-    settings: dict[str, Any] = {"seed": seed, "supersampling": cell.supersampling}
-    found = surfaces(
-        world, cell.corner, cell.spacing, cell.heading, {"retinotopic": "aligned"}, measure=CodeDistances, **settings
-    )
+    found = surfaces_of(cell, open_world(cell.world), {"retinotopic": "aligned"}, seed, measure=CodeDistances)
     by_code = [found["retinotopic"], *np.moveaxis(found["measure"], -1, 0)]
     area = [areas(surface, cell.spacing, SUCCESS_CELLS * cell.spacing) for surface in by_code]
     return {

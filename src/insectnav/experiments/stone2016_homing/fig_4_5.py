@@ -24,7 +24,7 @@ from insectnav.experiments.stone2016_homing.places import (
     place_text,
     stage,
     stands_in,
-    surfaces,
+    surfaces_of,
 )
 
 if TYPE_CHECKING:
@@ -64,15 +64,7 @@ def spacings(cell: Cell) -> dict[int, float]:
 
 def simulate(cell: Cell, seed: int) -> Arrays:
     """Catchment area of each place by each comparison, on the fine and on the coarse grid."""
-    found = surfaces(
-        open_world(cell.world),
-        cell.corner,
-        cell.spacing,
-        cell.heading,
-        measures_by(NAMES),
-        seed=seed,
-        supersampling=cell.supersampling,
-    )
+    found = surfaces_of(cell, open_world(cell.world), measures_by(NAMES), seed)
     area = [
         [
             areas(found[name], cell.spacing, SUCCESS_CELLS * spacing, every=every)

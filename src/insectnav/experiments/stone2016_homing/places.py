@@ -102,6 +102,14 @@ def surfaces(
     return {name: np.ascontiguousarray(np.moveaxis(values, -1, 0)) for name, values in found.items()}
 
 
+def surfaces_of(
+    cell: Any, world: World, describe: Mapping[str, Any], seed: int, measure: Any = None
+) -> dict[str, NDArray[np.float32]]:
+    """`surfaces` of a cell that has a corner, spacing, heading and supersampling."""
+    settings: dict[str, Any] = {"seed": seed, "supersampling": cell.supersampling, "measure": measure}
+    return surfaces(world, cell.corner, cell.spacing, cell.heading, describe, **settings)
+
+
 def roughness(surface: NDArray[np.floating[Any]], *, every: int = 1) -> float:
     """How much of the change from sample to sample is no slope: 0 on a plane, sqrt(3) where samples are noise.
 

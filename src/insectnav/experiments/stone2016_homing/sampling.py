@@ -25,7 +25,7 @@ from insectnav.experiments.stone2016_homing.places import (
     roughness,
     stage,
     stands_in,
-    surfaces,
+    surfaces_of,
 )
 
 if TYPE_CHECKING:
@@ -77,15 +77,7 @@ def spacings(cell: Cell) -> list[float]:
 
 def simulate(cell: Cell, seed: int) -> Arrays:
     """Catchment area of each place by each comparison, at each spacing and success radius."""
-    found = surfaces(
-        open_world(cell.world),
-        cell.corner,
-        cell.spacing,
-        cell.heading,
-        measures_by(NAMES),
-        seed=seed,
-        supersampling=cell.supersampling,
-    )
+    found = surfaces_of(cell, open_world(cell.world), measures_by(NAMES), seed)
     area = [
         [
             [areas(found[name], cell.spacing, radius, every=2**k) for radius in (SUCCESS_CELLS * spacing, WIDE_RADIUS)]

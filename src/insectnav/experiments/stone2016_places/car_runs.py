@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge
+from insectnav.experiments.published import Published, Verdict, judge, surplus, with_error
 from insectnav.experiments.stone2016_places.frames import FULL_SIZE, Section, keep, sections
 from insectnav.experiments.stone2016_places.panels import draw_correspondence, draw_curve, draw_frame
 from insectnav.experiments.stone2016_places.passages import SECONDS_APART, SITE_SEEDS, drawn_as, ground_of
@@ -21,6 +21,7 @@ from insectnav.experiments.stone2016_places.recognition import (
     POINTS,
     ROTATION,
     ROTATION_LOCAL,
+    SINGLE,
     SKY,
     SKY_WHOLE,
     TRUE,
@@ -29,10 +30,11 @@ from insectnav.experiments.stone2016_places.recognition import (
     by_rotation,
     differences,
     in_sequences,
-    passage_arrays,
+    passage_pair,
     right_by_turn,
     truth_between,
     turned_apart,
+    varied,
 )
 from insectnav.experiments.stone2016_places.sites import BMX, FOREST_END, GARDENS_END, SITES, YARD, Ground
 from insectnav.matching.chow_liu import chow_liu_tree
@@ -43,17 +45,18 @@ from insectnav.worlds.traverse import way_length
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-VARIATIONS = {"as driven": 1, "1 m aside": 2}  # second passages that are compared over the first part of the way
+BOTH = 0, 1  # passages
+VARIATIONS = {"as driven": BOTH, "1 m aside": (0, 2)}  # that are compared over the first part of the way
 VARIED_FRAMES = 200  # of each
 LENGTHS = (1, 10, 20)  # [frame] of sequences
 TRAINING_SEED = 100  # added to that of a site: another place of the same kind
 N_TRAINING = 150  # frames of a training passage, evenly along the way
 N_WORDS = {"full": 1000, "quick": 60}  # of FAB-MAP's vocabulary, assumed
-SINGLE = f"{ROTATION}, single frames"
+PRECISION = "precision_at_full_recall"
 NONE = float("nan")
 
 
-def car_sections(site: str, scale: str) -> list[Section]:
+def cells_of(site: str, scale: str) -> list[Section]:
     """Both passages of a site, and training passages of both kinds of site; at quick scale the beginning of each."""
     full = scale == "full"
     how: dict[str, Any] = {"size": FULL_SIZE, "supersampling": 2} if full else {"size": 96, "supersampling": 1}
@@ -71,16 +74,16 @@ def car_sections(site: str, scale: str) -> list[Section]:
     return found
 
 
-def simulate_section(section: Section, seed: int) -> Arrays:
+def simulate(cell: Section, seed: int) -> Arrays:
     """What the methods compare, of each frame, and the grey pictures for FAB-MAP."""
-    return keep(section, seed, with_pictures=True)
+    return keep(cell, seed, with_pictures=True)
 
 
 @lru_cache(maxsize=1)
 def recognised(results: Results) -> dict[tuple[str, int], Recognised]:
     """Answers of each method and length of sequence."""
     cell = results.cells[0]
-    reference, query = (passage_arrays(results, cell.site, SITE_SEEDS[cell.site], number) for number in (0, 1))
+    reference, query = passage_pair(results, BOTH)
     truth = truth_between(reference, query)
     answers = {(FABMAP, 1): _by_words(results, reference["pictures"], query["pictures"], truth)}
     matrices = {method: differences(reference, query, method) for method in (VANILLA, NEUTRAL, SKY, POINTS, TRUE)}
@@ -95,21 +98,6 @@ def recognised(results: Results) -> dict[tuple[str, int], Recognised]:
     return answers
 
 
-def varied(results: Results) -> dict[tuple[str, str], Recognised]:
-    """Answers over the first part of the way, by second passage and method."""
-    cell, answers = results.cells[0], {}
-    for name, number in VARIATIONS.items():
-        reference, query = (
-            {key: values[:VARIED_FRAMES] for key, values in passage.items()}
-            for passage in (passage_arrays(results, cell.site, SITE_SEEDS[cell.site], k) for k in (0, number))
-        )
-        truth = truth_between(reference, query)
-        for method in (VANILLA, SKY):
-            answers[name, method] = in_sequences(differences(reference, query, method), truth)
-        answers[name, SINGLE] = by_rotation(reference, query, truth, cell.size).single
-    return answers
-
-
 def _by_words(results: Results, reference: NDArray[Any], query: NDArray[Any], truth: NDArray[Any]) -> Recognised:
     """FAB-MAP 2.0, with a vocabulary of the training passages."""
     trained = [k for k, cell in enumerate(results.cells) if cell.site_seed != SITE_SEEDS[cell.site]]
@@ -121,10 +109,10 @@ def _by_words(results: Results, reference: NDArray[Any], query: NDArray[Any], tr
     return Recognised(reference=found.reference, score=found.score, truth=truth)
 
 
-def table_of(results: Results) -> Table:
+def summarise(results: Results) -> Table:
     """A row for each method and length of sequence, and for each second passage over the first part of the way."""
     cell = results.cells[0]
-    reference, query = (passage_arrays(results, cell.site, SITE_SEEDS[cell.site], number) for number in (0, 1))
+    reference, query = passage_pair(results, BOTH)
     turned = turned_apart(reference, query, truth_between(reference, query))
     ground, is_track = ground_of(*cell.place), cell.site == BMX.name
     accuracy = float(np.concatenate([reference["accuracy"], query["accuracy"]]).mean())
@@ -142,7 +130,7 @@ def table_of(results: Results) -> Table:
     empty = dict.fromkeys(list(rows[0])[-5:], NONE)
     return rows + [
         _row(cell.site, method, 1 if method == SINGLE else 10, name, answer, accuracy) | empty
-        for (name, method), answer in varied(results).items()
+        for (name, method), answer in varied(results, VARIATIONS, VARIED_FRAMES).items()
     ]
 
 
@@ -186,7 +174,7 @@ def median_precision(answer: Recognised) -> float:
     return 100.0 * float(curve.precision[order][np.searchsorted(share, 0.5)])
 
 
-def draw_runs(results: Results) -> Figure:
+def draw(results: Results) -> Figure:
     """Pictures of both passages, correspondences of four methods, precision over recall."""
     from matplotlib.figure import Figure
 
@@ -237,7 +225,7 @@ def _draw_examples(part: Any, results: Results) -> None:
     name_panel(panels[0], "a", f"visible, {along:.0f} m")
 
 
-def caption_of(results: Results, made_of: str) -> str:
+def caption(results: Results, made_of: str) -> str:
     """What the figure shows."""
     cell = results.cells[0]
     cells = results.where(site_seed=SITE_SEEDS[cell.site], passage=0)
@@ -253,7 +241,7 @@ def caption_of(results: Results, made_of: str) -> str:
     )
 
 
-def compare_runs(table: Table, published: Mapping[str, Published]) -> Sequence[Verdict]:
+def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdict]:
     """Each published number of a figure beside ours."""
     rows = {(row["method"], row["sequence_length"]): row for row in table if row["passages"] == "whole way"}
     why = _why(rows, [row for row in table if row["passages"] != "whole way"])
@@ -262,15 +250,17 @@ def compare_runs(table: Table, published: Mapping[str, Published]) -> Sequence[V
     }  # fmt: skip
     columns = {
         "recall at full precision": "recall_at_full_precision",
-        "precision at full recall": "precision_at_full_recall",
+        "precision at full recall": PRECISION,
     }
     sky, vanilla = rows[SKY, 10], rows[VANILLA, 10]
     claims = {
         "median precision of FAB-MAP": (float(rows[FABMAP, 1]["median_precision"]), 0.0),
         "matches of FAB-MAP in the right section": (float(rows[FABMAP, 1]["in_right_section"]), 0.0),
-        "precision at full recall, sky less vanilla": _less(sky, vanilla),
-        "precision at full recall, sky, w = 20 less w = 10": _less(rows[SKY, 20], sky),
-        "precision at full recall, sky, w = 10 less single images": _less(sky, rows[SKY_WHOLE, 1]),
+        "precision at full recall, sky less vanilla": surplus(sky, vanilla, PRECISION),
+        "precision at full recall, sky, w = 20 less w = 10": surplus(rows[SKY, 20], sky, PRECISION),
+        "precision at full recall, sky, w = 10 less single images": surplus(
+            sky, rows[SKY_WHOLE, 1], PRECISION
+        ),
         "share right in the last third, sky less vanilla": (
             float(sky["right_in_last_third"] - vanilla["right_in_last_third"]), 0.0,
         ),
@@ -282,29 +272,22 @@ def compare_runs(table: Table, published: Mapping[str, Published]) -> Sequence[V
         else:
             what, _, who = value.quantity.partition(", ")
             row = rows[names[who]]
-            ours = float(row[columns[what]]), float(row[f"{columns[what]}_error"])
+            ours = with_error(row, columns[what])
         verdicts.append(judge(value, *ours, why=why))
     return verdicts
-
-
-def _less(row: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, float]:
-    name = "precision_at_full_recall"
-    return float(row[name] - other[name]), float(np.hypot(row[f"{name}_error"], other[f"{name}_error"]))
 
 
 def _why(rows: Mapping[tuple[str, int], Mapping[str, Any]], varied_rows: Sequence[Mapping[str, Any]]) -> str:
     """What was measured of the causes: lane, orientation, exact masks, contrast, and matching in the overlap alone."""
     shown = [(TRUE, 10), (SKY_WHOLE, 10), (SKY, 1), (POINTS, 10), (NEUTRAL, 10), (SINGLE, 1)]
-    parts = [f"{method} (w = {w}) {rows[method, w]['precision_at_full_recall']:.0f}" for method, w in shown]
+    parts = [f"{method} (w = {w}) {rows[method, w][PRECISION]:.0f}" for method, w in shown]
     vanilla, sky = rows[VANILLA, 10], rows[SKY, 10]
     turned = [
         f"{name} {row['right_where_turned_least']:.0f} and {row['right_where_turned_most']:.0f}"
         for name, row in (("vanilla", vanilla), ("sky", sky))
     ]
     lanes = [
-        f"{row['method']}, {row['passages']} {row['precision_at_full_recall']:.0f}"
-        for row in varied_rows
-        if row["method"] != VANILLA
+        f"{row['method']}, {row['passages']} {row[PRECISION]:.0f}" for row in varied_rows if row["method"] != VANILLA
     ]
     return (
         f"rendered, another place; right in percent in the thirds of the frames whose cameras are turned apart least "

@@ -11,7 +11,7 @@ import numpy as np
 
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge
+from insectnav.experiments.published import Published, Verdict, judge, surplus, with_error
 from insectnav.experiments.stone2016_places.frames import FULL_SIZE, Section, keep, sections
 from insectnav.experiments.stone2016_places.panels import draw_correspondence, draw_curve, draw_frame
 from insectnav.experiments.stone2016_places.passages import (
@@ -27,6 +27,7 @@ from insectnav.experiments.stone2016_places.recognition import (
     POINTS,
     ROTATION,
     ROTATION_LOCAL,
+    SINGLE,
     SKY,
     SKY_WHOLE,
     TRUE,
@@ -36,7 +37,9 @@ from insectnav.experiments.stone2016_places.recognition import (
     differences,
     in_sequences,
     passage_arrays,
+    passage_pair,
     truth_between,
+    varied,
 )
 from insectnav.experiments.stone2016_places.sites import CITY
 
@@ -49,7 +52,6 @@ SITE = "City"
 # Reference and query passage, by the difference of their tilts [°], "by pairing α1 ≈ −α2".
 PAIRS = {0: (3, 4), 10: (4, 5), 20: (2, 5), 30: (2, 6), 40: (1, 6), 50: (1, 7), 60: (0, 7)}
 SHOWN_DEG = (20, 40, 60)
-SINGLE = f"{ROTATION}, single frames"
 DRAWN = (VANILLA, SKY, ROTATION)
 # The level passages over the first part of the way: as they are, without clouds or sway, and one 2 m farther left.
 VARIATIONS = {"as ridden": LEVEL, "no clouds": (8, 9), "no sway": (10, 11), "neither": (12, 13), "2 m aside": (3, 14)}
@@ -89,7 +91,7 @@ def recognised(results: Results) -> tuple[dict[tuple[int, str], Recognised], dic
     tilt_errors: dict[int, float] = {}
     size = results.cells[0].size
     for apart, pair in PAIRS.items():
-        reference, query = (passage_arrays(results, SITE, SITE_SEEDS[SITE], number) for number in pair)
+        reference, query = passage_pair(results, pair)
         truth = truth_between(reference, query)
         matrices = {name: differences(reference, query, name) for name in (VANILLA, NEUTRAL, SKY, POINTS, TRUE)}
         answers |= {(apart, name): in_sequences(matrix, truth) for name, matrix in matrices.items()}
@@ -100,21 +102,6 @@ def recognised(results: Results) -> tuple[dict[tuple[int, str], Recognised], dic
         answers[apart, SINGLE] = found.single
         tilt_errors[apart] = float(np.median(np.rad2deg(found.tilt[found.single.is_right]) - apart))
     return answers, tilt_errors
-
-
-def varied(results: Results) -> dict[tuple[str, str], Recognised]:
-    """Answers for the level passages over the first part of the way, by variation and method."""
-    answers = {}
-    for name, pair in VARIATIONS.items():
-        reference, query = (
-            {key: values[:VARIED_FRAMES] for key, values in passage.items()}
-            for passage in (passage_arrays(results, SITE, SITE_SEEDS[SITE], number) for number in pair)
-        )
-        truth = truth_between(reference, query)
-        for method in (VANILLA, SKY):
-            answers[name, method] = in_sequences(differences(reference, query, method), truth)
-        answers[name, SINGLE] = by_rotation(reference, query, truth, results.cells[0].size).single
-    return answers
 
 
 def summarise(results: Results) -> Table:
@@ -128,7 +115,7 @@ def summarise(results: Results) -> Table:
     ]
     return rows + [
         _row(0, method, name, answer, VARIATIONS[name], accuracy) | {"tilt_found_less_nominal_deg": float("nan")}
-        for (name, method), answer in varied(results).items()
+        for (name, method), answer in varied(results, VARIATIONS, VARIED_FRAMES).items()
     ]
 
 
@@ -194,7 +181,7 @@ def _draw_examples(part: Any, results: Results) -> None:
 
 def caption(results: Results) -> str:
     """What the figure shows."""
-    n = len(passage_arrays(results, SITE, SITE_SEEDS[SITE], 0)["distance"])
+    n = len(passage_arrays(results, 0)["distance"])
     length = 520.0 * n / results.cells[0].of_frames
     return (
         f"Rendered, no photographs: {length:.0f} m of a built city, eight passages of n = {n} frames at tilts of the "
@@ -212,32 +199,23 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
     recall = "recall_at_full_precision"
 
     def lost(method: str) -> tuple[float, float]:
-        return _less(rows[0, method], rows[60, method])
+        return surplus(rows[0, method], rows[60, method], "area")
 
     def kept(method: str) -> float:
         return 100.0 * float(rows[60, method]["area"] / max(rows[0, method]["area"], 1e-9))
 
     less = lost(VANILLA)[0] - lost(SKY)[0]
     ours: dict[str, tuple[float, float]] = {
-        "recall at full precision, sky, 60°": _with_error(rows[60, SKY], recall),
-        "recall at full precision, vanilla, 50°": _with_error(rows[50, VANILLA], recall),
-        "recall at full precision, vanilla, 60°": _with_error(rows[60, VANILLA], recall),
-        "area of sky less that of vanilla, 0°": _less(rows[0, SKY], rows[0, VANILLA]),
+        "recall at full precision, sky, 60°": with_error(rows[60, SKY], recall),
+        "recall at full precision, vanilla, 50°": with_error(rows[50, VANILLA], recall),
+        "recall at full precision, vanilla, 60°": with_error(rows[60, VANILLA], recall),
+        "area of sky less that of vanilla, 0°": surplus(rows[0, SKY], rows[0, VANILLA], "area"),
         "area lost from 0° to 60°, vanilla less sky": (less, float(np.hypot(lost(VANILLA)[1], lost(SKY)[1]))),
         "share of the area at 0° kept at 60°, sky less vanilla": (kept(SKY) - kept(VANILLA), 0.0),
-    } | {f"area of sky less that of vanilla, {apart}°": _less(rows[apart, SKY], rows[apart, VANILLA])
+    } | {f"area of sky less that of vanilla, {apart}°": surplus(rows[apart, SKY], rows[apart, VANILLA], "area")
          for apart in SHOWN_DEG}  # fmt: skip
     why = _why(rows, [row for row in table if row["passages"] != "whole way"])
     return [judge(value, *ours[value.quantity], why=why) for value in published.values()]
-
-
-def _with_error(row: Mapping[str, Any], name: str) -> tuple[float, float]:
-    return float(row[name]), float(row[f"{name}_error"])
-
-
-def _less(row: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, float]:
-    error = np.hypot(row["area_error"], other["area_error"])
-    return float(row["area"] - other["area"]), float(error)
 
 
 def _why(rows: Mapping[tuple[int, str], Mapping[str, Any]], varied_rows: Sequence[Mapping[str, Any]]) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from insectnav.angles import Floats
 from insectnav.experiments.experiment import Results
 from insectnav.experiments.stone2016_places.frames import sky_grid, sky_sampler
-from insectnav.experiments.stone2016_places.passages import true_references
+from insectnav.experiments.stone2016_places.passages import SITE_SEEDS, true_references
 from insectnav.matching import OPENSEQSLAM_V1, build_rotation_index, difference_matrix, rotation_between, seqslam
 from insectnav.matching.rotation import RotationIndex
 from insectnav.metrics.retrieval import (
@@ -37,6 +37,7 @@ N_DRAWN = 200
 VANILLA, SKY, ROTATION, FABMAP = "SeqSLAM (vanilla)", "SeqSLAM (sky)", "rotation matching", "FAB-MAP"
 POINTS, TRUE, NEUTRAL = f"{SKY}, 2000 points", f"{SKY}, exact masks", f"{VANILLA}, flat patches neutral"
 SKY_WHOLE, ROTATION_LOCAL = f"{SKY}, contrast over all references", f"{ROTATION}, contrast of neighbours"
+SINGLE = f"{ROTATION}, single frames"
 Arrays = Mapping[str, NDArray[Any]]
 
 
@@ -97,15 +98,37 @@ def _measures(is_right: NDArray[np.bool_], score: Floats) -> tuple[float, float,
     return tuple(100.0 * value for value in found)  # type: ignore[return-value]
 
 
-def passage_arrays(results: Results, site: str, seed: int, passage: int) -> dict[str, NDArray[Any]]:
-    """All frames of a passage, (frame, ...) arrays by name."""
-    chosen = results.where(site=site, site_seed=seed, passage=passage)
+@lru_cache(maxsize=16)
+def passage_arrays(results: Results, passage: int) -> Arrays:
+    """All frames of a passage through the site of the first cell, (frame, ...) arrays by name; they are kept."""
+    site = results.cells[0].site
+    chosen = results.where(site=site, site_seed=SITE_SEEDS[site], passage=passage)
     order = sorted(chosen.tolist(), key=lambda k: results.cells[k].first)
     return {
         name: values[order].reshape(-1, *values.shape[2:])
         for name, values in results.arrays.items()
         if not name.startswith("shown_")
     }
+
+
+def passage_pair(results: Results, numbers: tuple[int, int], n_frames: int | None = None) -> tuple[Arrays, Arrays]:
+    """Reference and query, of each the first `n_frames`."""
+    reference, query = (
+        {name: values[:n_frames] for name, values in passage_arrays(results, number).items()} for number in numbers
+    )
+    return reference, query
+
+
+def varied(results: Results, pairs: Mapping[str, tuple[int, int]], n_frames: int) -> dict[tuple[str, str], Recognised]:
+    """Answers over the first part of the way, by name of the pair of passages and method."""
+    answers = {}
+    for name, numbers in pairs.items():
+        reference, query = passage_pair(results, numbers, n_frames)
+        truth = truth_between(reference, query)
+        for method in (VANILLA, SKY):
+            answers[name, method] = in_sequences(differences(reference, query, method), truth)
+        answers[name, SINGLE] = by_rotation(reference, query, truth, results.cells[0].size).single
+    return answers
 
 
 def differences(reference: Arrays, query: Arrays, method: str) -> Floats:

@@ -18,19 +18,21 @@ from insectnav.experiments.stone2017_path_integration.obstructed_trips import (
     MARGIN,
     OBSTACLES,
     draw_obstacles,
+    draw_shares,
+    home_arrays,
+    home_findings,
     trips_from_south,
-    way_walked,
 )
 from insectnav.experiments.stone2017_path_integration.trips import (
     HOME_RANGE,
     N_STEPS,
+    PRESET_LINES,
     PRESET_NAMES,
     draw_home_range,
     ways_home,
 )
 from insectnav.metrics.path_integration import summary
 from insectnav.metrics.search import NEVER, first_arrival, search_centre
-from insectnav.metrics.statistics import bootstrap_error
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,7 +49,6 @@ DRAWN_NOISE = 0.1
 N_PATHS = 3
 AT_NEST = 5.0  # [steps] where a path that is drawn ends
 LOOKS = {"none": "black", "circle": "orange", "wall": "blue", "ring": "red"}
-LINES = {"thesis": "-", "code-2017": "--"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,11 +83,8 @@ def simulate(cell: Cell, seed: int) -> Arrays:
     start = np.linalg.norm(home[:, 0], axis=-1)
     settled = np.full(cell.n_trials, home.shape[1] - SETTLED)
     return {
-        "is_beyond": (("trial",), start > FARTHEST_SOUTH + MARGIN),
-        "start_distance": (("trial",), start, {"units": "steps"}),
-        "closest_distance": (("trial",), arrays.closest_distance, {"units": "steps"}),
+        **home_arrays(arrays, home, first_arrival(home, HOME_RANGE)),
         "closest_to_fictive": (("trial",), np.linalg.norm(home - carried, axis=-1).min(axis=1), {"units": "steps"}),
-        "walked": (("trial",), way_walked(home, first_arrival(home, HOME_RANGE)), {"units": "steps"}),
         "centre": (("trial", "xy"), search_centre(home, settled), {"units": "steps"}),
         "path": (("path", "step", "xy"), _shown(home, start), {"units": "steps"}),
     }
@@ -115,20 +113,13 @@ def summarise(results: Results) -> Table:
 
 def _row(cell: Cell, arrays: Mapping[str, np.ndarray]) -> dict[str, Any]:
     beyond = arrays["is_beyond"]
-    closest, fictive = arrays["closest_distance"][beyond], arrays["closest_to_fictive"][beyond]
-    detour = arrays["walked"][beyond] / (arrays["start_distance"][beyond] - HOME_RANGE)
-    centre = arrays["centre"][beyond]
+    fictive, centre = arrays["closest_to_fictive"][beyond], arrays["centre"][beyond]
     _, carried = happening(cell.condition)
     return {
         "condition": cell.condition,
         "preset": cell.preset,
         "noise": cell.noise,
-        "n": int(beyond.sum()),
-        "mean_closest_distance": summary(closest).mean,
-        "median_closest_distance": summary(closest).median,
-        "closest_distance_standard_error": bootstrap_error(closest, np.median),
-        "within_home_range": float(np.mean(closest <= HOME_RANGE)),
-        "median_way_over_straight": summary(detour).median,
+        **home_findings(arrays),
         "median_closest_to_fictive_nest": summary(fictive).median,
         "within_range_of_fictive_nest": float(np.mean(fictive <= HOME_RANGE)),
         "mean_centre_x": summary(centre[:, 0]).mean,
@@ -184,13 +175,12 @@ def _broken(path: np.ndarray) -> np.ndarray:
 
 def _draw_shares(axes: Axes, results: Results) -> None:
     """Share of the trials up to each closest distance."""
-    for preset, line in LINES.items():
+    for preset, line in PRESET_LINES.items():
         for condition, colour in LOOKS.items():
             index = results.only(condition=condition, preset=preset, noise=DRAWN_NOISE)
-            closest = np.sort(results["closest_distance"][index][results["is_beyond"][index]])
-            share = 100.0 * np.arange(1, closest.size + 1) / max(1, closest.size)
+            closest = results["closest_distance"][index][results["is_beyond"][index]]
             label = condition if preset == "thesis" else None
-            axes.plot(closest, share, line, color=COLOURS[colour], label=label)
+            draw_shares(axes, closest, linestyle=line, color=COLOURS[colour], label=label)
     axes.plot([], [], "--", color="black", label=PRESET_NAMES["code-2017"])
     axes.axvline(HOME_RANGE, color=COLOURS["grey"], linestyle="--", linewidth=0.7)
     axes.set_xlim(0.0, 1.25 * HOME_RANGE)

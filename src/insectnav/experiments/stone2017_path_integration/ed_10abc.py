@@ -13,7 +13,7 @@ from insectnav.agents.perturbations import ClampCells
 from insectnav.angles import bearing, unit_vector, wrap
 from insectnav.central_complex import PRESETS, circuit_params, decode_home_vector, decode_waggle_dance
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import DOUBLE_COLUMN, name_panel
+from insectnav.experiments.figures import DOUBLE_COLUMN, letter_panels
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.columns import (
     circular_columns,
@@ -177,8 +177,7 @@ def draw(results: Results) -> Figure:
         draw_injected_paths(row[3], results["path"], shown, _stretch("home"), N_OUTBOUND, apart=110.0)
         draw_spirals(row[4], results["path"][cpu1], _stretch("home"), n_steps=N_ENLARGED, apart=15.0)
         row[0].set_ylabel(f"{PRESET_NAMES[preset]}\ny (steps)")
-    for letter, axes in zip("a bc", panels[0], strict=False):
-        name_panel(axes, letter)
+    letter_panels(panels[0, [0, 2, 3]])
     for axes, title in ((panels[1, 0], "TB1 cell"), (panels[1, 2], "TN2 cell")):
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, title=title, columnspacing=1.0)
     panels[0, 3].set_title("number of CPU1 cells", fontsize=7.0)

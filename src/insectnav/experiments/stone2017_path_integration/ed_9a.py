@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.agents.motion import MotionParams
 from insectnav.agents.perturbations import CompassShift, FilterSpeed, ScaleSpeed, WeightNoise
-from insectnav.agents.simulation import TrialParams, simulate_trials
 from insectnav.central_complex import PRESETS, CircuitParams, circuit_params, decode_home_vector
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.disturbance_panels import draw_panels
+from insectnav.experiments.stone2017_path_integration.straight_flights import fly
 from insectnav.experiments.stone2017_path_integration.trips import HOME_RANGE, N_STEPS, NOISE_LEVELS, random_trips
 from insectnav.metrics.path_integration import bearing_error, length_ratio, summary
 from insectnav.metrics.statistics import N_RESAMPLES, SEED, bootstrap_error
@@ -105,12 +104,9 @@ def _tn2_sd(circuit: CircuitParams, perturbations: Sequence[Any], noise: float, 
     heading = np.zeros((N_LISTENED, LISTENED), np.float32)
     velocity = np.zeros((N_LISTENED, LISTENED, 2), np.float32)
     velocity[..., 1] = CONSTANT_FLOW / np.cos(circuit.tn_preference)
-    params = TrialParams(
-        circuit=circuit, motion=MotionParams(), n_inbound=0, noise=noise, seed=seed, record=("tn2",),
-        perturbations=perturbations,
-    )  # fmt: skip
-    activity = simulate_trials(heading, velocity, np.arange(N_LISTENED), params).activity
-    return float(np.std(activity[:, SETTLING:], dtype=float))
+    route = heading, velocity
+    flights = fly(route, circuit, noise=noise, seed=seed, record=("tn2",), perturbations=perturbations)
+    return float(np.std(flights.activity[:, SETTLING:], dtype=float))
 
 
 def summarise(results: Results) -> Table:

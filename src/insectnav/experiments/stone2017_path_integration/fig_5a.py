@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.agents.motion import MotionParams
 from insectnav.agents.perturbations import Circle, Wall
-from insectnav.agents.simulation import TrialParams, simulate_trials
 from insectnav.angles import bearing, wrap
 from insectnav.central_complex import PRESETS, circuit_params
 from insectnav.experiments.experiment import Arrays, Results, Table
@@ -20,14 +18,19 @@ from insectnav.experiments.stone2017_path_integration.obstructed_trips import (
     FARTHEST_SOUTH,
     MARGIN,
     OBSTACLES,
+    detour,
     draw_obstacles,
+    draw_shares,
+    home_arrays,
+    home_findings,
     trips_from_south,
     turned,
-    way_walked,
 )
+from insectnav.experiments.stone2017_path_integration.straight_flights import fly
 from insectnav.experiments.stone2017_path_integration.trips import (
     HOME_RANGE,
     N_STEPS,
+    PRESET_LINES,
     PRESET_NAMES,
     draw_home_range,
     example_trip,
@@ -46,7 +49,6 @@ TITLE = "a trip out, the way home and the search, without and with obstacles"
 NOISE = 0.1  # legend of Fig. 5
 SEARCHED = 500  # [steps] after arrival, over which the distance from the nest is averaged
 LOOKS = {"none": ("blue", "free way"), "both": ("red", "obstacles")}
-LINES = {"thesis": "-", "code-2017": "--"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,20 +72,12 @@ def simulate(cell: Cell, seed: int) -> Arrays:
     obstacles = OBSTACLES[cell.obstacles]
     arrays, _ = trips_from_south(cell.n_trials, circuit, noise=NOISE, seed=seed, perturbations=obstacles)
     home = ways_home(arrays, N_STEPS)
-    start = np.linalg.norm(home[:, 0], axis=-1)
     arrival = first_arrival(home, HOME_RANGE)
-    heading, velocity = example_trip(seed)
-    params = TrialParams(
-        circuit=circuit, motion=MotionParams(), n_inbound=N_STEPS, noise=NOISE, seed=seed,
-        perturbations=around(obstacles, velocity),
-    )  # fmt: skip
-    example = simulate_trials(heading, velocity, [0], params)
-    is_beyond = start > FARTHEST_SOUTH + MARGIN
+    route = example_trip(seed)
+    in_the_way = around(obstacles, route[1])
+    example = fly(route, circuit, n_inbound=N_STEPS, noise=NOISE, seed=seed, perturbations=in_the_way)
     return {
-        "is_beyond": (("trial",), is_beyond, {"long_name": "the obstacles lie between the turning point and the nest"}),
-        "start_distance": (("trial",), start, {"units": "steps"}),
-        "closest_distance": (("trial",), arrays.closest_distance, {"units": "steps"}),
-        "walked": (("trial",), way_walked(home, arrival), {"units": "steps"}),
+        **home_arrays(arrays, home, arrival),
         "searched_at": (("trial",), _distance_after(home, arrival), {"units": "steps"}),
         "path": (("step", "xy"), example.position[0], {"units": "steps"}),
     }
@@ -121,21 +115,13 @@ def summarise(results: Results) -> Table:
 
 
 def _row(cell: Cell, arrays: Mapping[str, np.ndarray]) -> dict[str, Any]:
-    beyond = arrays["is_beyond"]
-    closest = arrays["closest_distance"][beyond]
-    detour = arrays["walked"][beyond] / (arrays["start_distance"][beyond] - HOME_RANGE)
-    searched = arrays["searched_at"][beyond]
+    searched = arrays["searched_at"][arrays["is_beyond"]]
     example = np.linalg.norm(arrays["path"][N_STEPS - 1 :], axis=-1)
     return {
         "preset": cell.preset,
         "obstacles": cell.obstacles,
-        "n": int(beyond.sum()),
-        "mean_closest_distance": summary(closest).mean,
-        "median_closest_distance": summary(closest).median,
-        "closest_distance_standard_error": bootstrap_error(closest, np.median),
-        "within_home_range": float(np.mean(closest <= HOME_RANGE)),
-        "median_way_over_straight": summary(detour).median,
-        "way_over_straight_standard_error": bootstrap_error(detour, np.median),
+        **home_findings(arrays),
+        "way_over_straight_standard_error": bootstrap_error(detour(arrays), np.median),
         "median_distance_searched_at": summary(searched).median,
         "distance_searched_at_standard_error": bootstrap_error(searched, np.median),
         "example_closest_distance": float(example.min()),
@@ -158,12 +144,11 @@ def draw(results: Results) -> Figure:
     near, way = figure.add_subplot(places[0, 2]), figure.add_subplot(places[1, 2])
     for cell, arrays in results:
         colour, label = LOOKS[cell.obstacles]
-        look = {"color": COLOURS[colour], "linestyle": LINES[cell.preset]}
-        beyond = arrays["is_beyond"]
+        look = {"color": COLOURS[colour], "linestyle": PRESET_LINES[cell.preset]}
         if cell.preset == results.cells[0].preset:
             look["label"] = label
-        _draw_shares(near, arrays["closest_distance"][beyond], look)
-        _draw_shares(way, (arrays["walked"] / (arrays["start_distance"] - HOME_RANGE))[beyond], look)
+        draw_shares(near, arrays["closest_distance"][arrays["is_beyond"]], **look)
+        draw_shares(way, detour(arrays), **look)
     near.set_xlim(0.0, 25.0)
     near.axvline(HOME_RANGE, color=COLOURS["grey"], linestyle="--", linewidth=0.7)
     near.set_xlabel("closest distance to the nest (steps)")
@@ -173,7 +158,7 @@ def draw(results: Results) -> Figure:
         axes.set_ylim(0.0, 102.0)
         axes.set_ylabel("trials with at most that (%)")
         name_panel(axes, letter)
-    for preset, line in LINES.items():
+    for preset, line in PRESET_LINES.items():
         way.plot([], [], line, color="black", label=PRESET_NAMES[preset])
     way.legend(loc="lower right")
     return figure
@@ -190,12 +175,6 @@ def _draw_trial(axes: Axes, path: np.ndarray, name: str) -> None:
     axes.plot(*home[last:].T, color="black", linewidth=0.5, label="search")
     axes.plot(*home[0], marker="x", color=COLOURS["red"], markersize=5)
     draw_home_range(axes)
-
-
-def _draw_shares(axes: Axes, values: np.ndarray, look: Mapping[str, Any]) -> None:
-    """Share of all trials up to each value; a trial without a value never comes."""
-    ordered = np.sort(values[np.isfinite(values)])
-    axes.plot(ordered, 100.0 * np.arange(1, ordered.size + 1) / values.size, **look)
 
 
 def caption(results: Results) -> str:

@@ -15,7 +15,7 @@ from insectnav.angles import bearing, wrap
 from insectnav.central_complex import PRESETS, CircuitParams, circuit_params
 from insectnav.central_complex.connectivity import DIRECTIONS
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import DOUBLE_COLUMN, name_panel
+from insectnav.experiments.figures import DOUBLE_COLUMN, letter_panels
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.columns import circular_columns, median_columns
 from insectnav.experiments.stone2017_path_integration.migration_panels import (
@@ -225,8 +225,7 @@ def draw(results: Results) -> Figure:
         rows = {DISTURBANCES[row["disturbance"]]: row for row in noisy if row["store"] == "memory"}
         (rows["bump of\nweights"],) = [row for row in noisy if row["store"] == "weights"]
         draw_disturbances(panels[1, 2], rows, PRESET_NAMES[preset], colour)
-    for letter, axes in zip("abcdef", panels.flat, strict=True):
-        name_panel(axes, letter)
+    letter_panels(panels.flat)
     return figure
 
 

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.agents.motion import MotionParams
 from insectnav.agents.perturbations import Circle, Wall
 from insectnav.agents.routes import RouteParams, route_arrays
-from insectnav.agents.simulation import TrialArrays, TrialParams, simulate_trials
+from insectnav.agents.simulation import TrialArrays
 from insectnav.angles import bearing, wrap
 from insectnav.central_complex import CircuitParams
 from insectnav.experiments.figures import COLOURS
-from insectnav.experiments.stone2017_path_integration.trips import N_STEPS
+from insectnav.experiments.stone2017_path_integration.straight_flights import fly
+from insectnav.experiments.stone2017_path_integration.trips import HOME_RANGE, N_STEPS
+from insectnav.metrics.path_integration import summary
 from insectnav.metrics.search import NEVER
+from insectnav.metrics.statistics import bootstrap_error
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -65,17 +67,9 @@ def trips_from_south(
     """
     heading, velocity = route_arrays(n_trials, N_STEPS, RouteParams(), seed, "float64")
     by = wrap(np.pi - bearing(velocity.sum(axis=1)))
-    params = TrialParams(
-        circuit=circuit,
-        motion=MotionParams(),
-        n_inbound=n_inbound,
-        noise=noise,
-        seed=seed,
-        perturbations=perturbations,
-    )
     # The compass is even all round to within its eight columns, so that turning a route changes little else.
-    heading, velocity = wrap(heading + by[:, None]).astype("float32"), turned(velocity, by).astype("float32")
-    return simulate_trials(heading, velocity, np.arange(n_trials), params), by
+    route = wrap(heading + by[:, None]).astype("float32"), turned(velocity, by).astype("float32")
+    return fly(route, circuit, n_inbound=n_inbound, noise=noise, seed=seed, perturbations=perturbations), by
 
 
 def way_walked(path: np.ndarray, last_step: np.ndarray) -> np.ndarray:
@@ -83,6 +77,50 @@ def way_walked(path: np.ndarray, last_step: np.ndarray) -> np.ndarray:
     steps = np.linalg.norm(np.diff(path.astype(float), axis=1), axis=-1)
     walked = np.concatenate([np.zeros((len(path), 1)), np.cumsum(steps, axis=1)], axis=1)
     return np.where(last_step == NEVER, np.nan, walked[np.arange(len(path)), last_step])
+
+
+def home_arrays(arrays: TrialArrays, home: np.ndarray, arrival: np.ndarray) -> dict[str, tuple[Any, ...]]:
+    """Where each way home (trial, step, 2) began, how near it came to the nest, and its length, as cells keep them.
+
+    Parameters
+    ----------
+    arrays : TrialArrays
+    home : of the same trials
+    arrival : (trial,) step at which each is in the home range, as of `first_arrival`
+    """
+    start = np.linalg.norm(home[:, 0], axis=-1)
+    where = {"long_name": "the obstacles lie between the turning point and the nest"}
+    return {
+        "is_beyond": (("trial",), start > FARTHEST_SOUTH + MARGIN, where),
+        "start_distance": (("trial",), start, {"units": "steps"}),
+        "closest_distance": (("trial",), arrays.closest_distance, {"units": "steps"}),
+        "walked": (("trial",), way_walked(home, arrival), {"units": "steps"}),
+    }
+
+
+def detour(arrays: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Way walked over straight way, both to the home range, of the trials that began beyond the obstacles."""
+    beyond = arrays["is_beyond"]
+    return arrays["walked"][beyond] / (arrays["start_distance"][beyond] - HOME_RANGE)
+
+
+def home_findings(arrays: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """Number of trials that began beyond the obstacles, how near they came and how directly."""
+    closest = arrays["closest_distance"][arrays["is_beyond"]]
+    return {
+        "n": closest.size,
+        "mean_closest_distance": summary(closest).mean,
+        "median_closest_distance": summary(closest).median,
+        "closest_distance_standard_error": bootstrap_error(closest, np.median),
+        "within_home_range": float(np.mean(closest <= HOME_RANGE)),
+        "median_way_over_straight": summary(detour(arrays)).median,
+    }
+
+
+def draw_shares(axes: Axes, values: np.ndarray, **look: Any) -> None:
+    """Share of all trials up to each value [%]; a trial without a value never comes."""
+    ordered = np.sort(values[np.isfinite(values)])
+    axes.plot(ordered, 100.0 * np.arange(1, ordered.size + 1) / values.size, **look)
 
 
 def draw_obstacles(axes: Axes, obstacles: Sequence[Any]) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from insectnav.angles import wrap
 from insectnav.central_complex import THESIS
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import DOUBLE_COLUMN, name_panel
+from insectnav.experiments.figures import DOUBLE_COLUMN, letter_panels
 from insectnav.experiments.published import Published, Verdict, judge, read_published
 from insectnav.experiments.stone2017_path_integration.physiology_panels import (
     draw_axial_tuning,
@@ -236,9 +236,7 @@ def draw(results: Results) -> Figure:
         rates = results["rate_by_velocity"][plain, index], results["background_rate"][plain, index]
         draw_flow_tuning(axes, *rates, TOP_FLOW_DEG * VELOCITIES, kind)
     draw_expansion(bottom[3], results["rate_by_azimuth"][plain], results["expansion_point"][plain], AZIMUTHS, FLOW)
-    for letter, axes in zip("abcd", (top[0], top[3], bottom[0], bottom[1]), strict=True):
-        name_panel(axes, letter)
-    name_panel(bottom[3], "e")
+    letter_panels((top[0], top[3], bottom[0], bottom[1], bottom[3]))
     return figure
 
 

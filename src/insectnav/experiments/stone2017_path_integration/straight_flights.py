@@ -1,4 +1,4 @@
-"""Tethered flights in one direction at constant speed, and what was done to the circuit in them."""
+"""Trials along given routes; flights in one direction at constant speed, and what was done to the circuit in them."""
 
 from __future__ import annotations
 

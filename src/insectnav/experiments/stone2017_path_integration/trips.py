@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insectnav.agents.motion import MotionParams
 from insectnav.agents.routes import RouteParams, route_arrays
-from insectnav.agents.simulation import TrialArrays, TrialParams, simulate_trials
+from insectnav.agents.simulation import TrialArrays
 from insectnav.central_complex import CircuitParams
 from insectnav.experiments.figures import COLOURS
+from insectnav.experiments.stone2017_path_integration.straight_flights import fly
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +21,7 @@ HOME_RANGE = 20.0  # [steps] Ext. Data Fig. 8: the range round the nest that cou
 NOISE_LEVELS = (0.0, 0.1, 0.2, 0.3, 0.4)  # σ_r, Methods
 NOISE_COLOURS = dict(zip(NOISE_LEVELS, ("black", "blue", "green", "orange", "red"), strict=True))
 PRESET_NAMES = {"thesis": "thesis constants", "code-2017": "2017 code's constants"}
+PRESET_LINES = {"thesis": "-", "code-2017": "--"}
 
 
 def random_trips(
@@ -50,17 +51,15 @@ def random_trips(
     perturbations : sequence of perturbations
     record : names of populations
     """
-    heading, velocity = route_arrays(n_trials, n_outbound, route, seed, "float32")
-    params = TrialParams(
-        circuit=circuit,
-        motion=MotionParams(),
+    return fly(
+        route_arrays(n_trials, n_outbound, route, seed, "float32"),
+        circuit,
         n_inbound=n_outbound if n_inbound is None else n_inbound,
         noise=noise,
         seed=seed,
         record=record,
         perturbations=perturbations,
     )
-    return simulate_trials(heading, velocity, np.arange(n_trials), params)
 
 
 def example_trip(seed: int) -> tuple[np.ndarray, np.ndarray]:

@@ -15,7 +15,7 @@ from insectnav.angles import bearing, unit_vector, wrap
 from insectnav.central_complex import PRESETS, VARIANTS, circuit_params, decode_waggle_dance
 from insectnav.central_complex.connectivity import DIRECTIONS
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import DOUBLE_COLUMN, name_panel
+from insectnav.experiments.figures import DOUBLE_COLUMN, letter_panels
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.body_offsets import (
     N_INBOUND,
@@ -199,8 +199,7 @@ def draw(results: Results) -> Figure:
     rows = [row for row in summarise(results) if row["trip"] == "random" and row["preset"] == "thesis"]
     draw_noise(panels[1, 0], panels[1, 1], [row for row in rows if row["variant"] == STANDARD])
     draw_variants(panels[1, 2], [row for row in rows if row["noise"] in (0.0, NOISE)])
-    for letter, axes in zip("abcdef", panels.flat, strict=True):
-        name_panel(axes, letter)
+    letter_panels(panels.flat)
     return figure
 
 

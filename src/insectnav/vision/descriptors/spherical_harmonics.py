@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insectnav.angles import FULL_TURN
-from insectnav.checks import InputError, as_numbers, check_choice, check_finite, check_range, check_shape
+from insectnav.checks import InputError, check_choice, check_finite
 from insectnav.vision.descriptors.brightness import as_views, describe_batches
 from insectnav.vision.descriptors.harmonic_basis import (
     check_degrees,
@@ -19,7 +19,7 @@ from insectnav.vision.descriptors.harmonic_basis import (
     fejer_weights,
     legendre_functions,
 )
-from insectnav.vision.sphere import SphereGrid, azimuth_elevation, directions
+from insectnav.vision.sphere import SphereGrid, azimuth_elevation, directions, elevation_range
 
 Reals = NDArray[np.floating[Any]]
 Project = Callable[[NDArray[np.float64]], Reals]
@@ -166,7 +166,7 @@ def _of_panoramas(
     """Checked views, and what gives the coefficients (n, pair) of some of them."""
     check_degrees(n_degrees)
     check_choice("quadrature", quadrature, QUADRATURES)
-    low, high = _elevation_range(elevation_deg)
+    low, high = elevation_range(elevation_deg)
     array = as_views(views)
     rows, columns = array.shape[-2:]
     _check_resolution(n_degrees, columns, (high - low) / rows)
@@ -206,15 +206,6 @@ def _above(unseen: float, project: Project) -> Project:
         return coefficients
 
     return project_difference
-
-
-def _elevation_range(elevation_deg: tuple[float, float]) -> tuple[float, float]:
-    bounds = as_numbers("elevation_deg", elevation_deg)
-    check_shape("elevation_deg", bounds, (2,))
-    check_range("elevation_deg", bounds, -90.0, 90.0, "degrees")
-    if not bounds[0] < bounds[1]:
-        raise InputError(f"elevation_deg goes from {bounds[0]:g} to {bounds[1]:g}, expected the lower limit first")
-    return float(bounds[0]), float(bounds[1])
 
 
 def _check_resolution(n_degrees: int, columns: int, step_deg: float) -> None:
