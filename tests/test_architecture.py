@@ -10,6 +10,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -50,13 +51,24 @@ def parsed_modules(source: Path) -> dict[str, ast.Module]:
     for path in sorted((source / PACKAGE).rglob("*.py")):
         parts = path.relative_to(source).with_suffix("").parts
         name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-        trees[name] = ast.parse(path.read_text(encoding="utf-8"), filename=str(path))
+        trees[name] = parsed(path.read_text(encoding="utf-8"), str(path))
     return trees
+
+
+@cache  # for all rules: parsing takes longer than they do
+def parsed(text: str, path: str) -> ast.Module:
+    return ast.parse(text, filename=path)
+
+
+@cache
+def nodes_of(tree: ast.Module) -> list[ast.AST]:
+    """All nodes, in the order of `ast.walk`."""
+    return list(ast.walk(tree))
 
 
 def imported_names(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Line and dotted name of whatever a module imports, anywhere in it; ``from a import b`` gives ``a.b``."""
-    for node in ast.walk(tree):
+    for node in nodes_of(tree):
         if isinstance(node, ast.Import):
             yield from ((node.lineno, alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.level == 0:
@@ -136,7 +148,7 @@ def relative_imports(source: Path) -> list[str]:
     return [
         f"{module}:{node.lineno} imports relatively; write the full name, from {PACKAGE}. ..."
         for module, tree in parsed_modules(source).items()
-        for node in ast.walk(tree)
+        for node in nodes_of(tree)
         if isinstance(node, ast.ImportFrom) and node.level > 0
     ]
 
@@ -193,7 +205,7 @@ def long_functions(source: Path, tables: frozenset[str] = LONG_TABLES) -> list[s
     lengths = {
         f"{module}:{node.name}": node.end_lineno - node.lineno + 1
         for module, tree in parsed_modules(source).items()
-        for node in ast.walk(tree)
+        for node in nodes_of(tree)
         if isinstance(node, Function) and node.end_lineno
     }
     long = {name for name, length in lengths.items() if length > MAX_FUNCTION_LINES}
@@ -262,7 +274,7 @@ def unsafe_calls(source: Path) -> list[str]:
         for line, name in imported_names(tree):
             if name.split(".")[0] in {"pickle", "cPickle", "dill", "cloudpickle", "shelve", "marshal"}:
                 found.append(f"{module}:{line} imports {name}; a file from elsewhere could run code")
-        for node in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
+        for node in (node for node in nodes_of(tree) if isinstance(node, ast.Call)):
             if isinstance(node.func, ast.Name) and node.func.id in {"eval", "exec"}:
                 found.append(f"{module}:{node.lineno} calls {node.func.id}")
             if any(k.arg == "allow_pickle" and getattr(k.value, "value", True) is not False for k in node.keywords):

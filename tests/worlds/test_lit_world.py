@@ -237,6 +237,20 @@ def test_another_sky_over_the_same_surfaces_is_a_new_world():
         assert_array_equal(render(moved, [[0, 0]], **options)[band], render(again, [[0, 0]], **options)[band])
 
 
+def test_a_world_that_was_changed_is_lit_as_one_made_anew():
+    """What worlds share that were made of each other is that of their own surfaces, sun and sky."""
+    first, overcast = lit(soup(2)), replace(CLEAR, clouds=CloudField(cover=1.0))
+    low, dark = replace(CLEAR, sun_elevation=0.2), MATERIALS | {"concrete": MATERIALS["soil"]}
+    changed = [first, first.under(low)]
+    changed += [changed[-1].under(overcast), replace(first, materials=dark), replace(first, shape=lit(soup(3)).shape)]
+    anew = [lit(soup(2)), lit(soup(2), sky=low), lit(soup(2), sky=overcast), lit(soup(2), materials=dark), lit(soup(3))]
+    options = {"camera": panorama(5.0), "layers": ("uv", "red"), "supersampling": 1}
+    for world, other in zip(changed, anew, strict=True):
+        seen, expected = (render(each, [[0, 0]], **options) for each in (world, other))
+        for band in ("uv", "red"):
+            assert_array_equal(seen[band], expected[band])
+
+
 def test_in_ultraviolet_the_sky_stands_out():
     """The claim of chapter 3: above plants, sky over surroundings is brighter in ultraviolet than in green."""
     world = lit(soup(6), material="leaves")

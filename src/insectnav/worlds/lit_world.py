@@ -6,7 +6,7 @@ is clear; the ground beyond the mesh is level and of one material. By rays mirro
 panoramas, and in each other, they show the sky where the nearest part of it is free, and else that mean.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
@@ -81,7 +81,7 @@ class LitWorld:
     ground: str
     shadows: bool = True
     materials: Mapping[str, Material] = field(default_factory=lambda: MATERIALS, repr=False)
-    _sky_maps: list[Any] = field(default_factory=list, repr=False)  # of these surfaces, whatever the sky: made once
+    _kept: dict[str, tuple[Any, ...]] = field(default_factory=dict, repr=False)  # see `_kept_or_made`
 
     @property
     def mesh(self) -> Mesh:
@@ -175,12 +175,12 @@ def _pack(world: LitWorld) -> PackedLight:
 
     surfaces = _pack_surfaces(world)
     octaves = pack_octaves(world.grain.seed, world.grain.coarsest, world.grain.n_octaves)
-    corners, sky = world.mesh.vertices, world.sky
-    parts, part_light = sky_parts(sky)
+    mesh, sky = world.mesh, world.sky
+    corners = mesh.vertices
+    parts, part_light = _kept_or_made(world, "parts", (sky,), lambda: sky_parts(sky))
     if world.shadows:
-        if not world._sky_maps:
-            world._sky_maps.append(sky_maps(corners, parts))
-        maps, sun_map = world._sky_maps[0], shadow_map(corners, sky.sun)
+        maps = _kept_or_made(world, "sky maps", (mesh,), lambda: sky_maps(corners, parts))  # whatever the sky
+        sun_map = _kept_or_made(world, "sun map", (mesh, sky), lambda: shadow_map(corners, sky.sun))
     else:
         maps, sun_map = sky_maps(corners[:1], parts, 4), shadow_map(corners[:1], sky.sun, 4)
     sun_irradiance = sky.sun_irradiance(LIGHT_BANDS).astype(np.float64)
@@ -190,7 +190,7 @@ def _pack(world: LitWorld) -> PackedLight:
         sun_irradiance=sun_irradiance,
         disc=sun_irradiance / (2.0 * np.pi * (1.0 - np.cos(radius))),
         disc_cosine=float(np.cos(radius)),
-        sky=sky_table(sky),
+        sky=_kept_or_made(world, "sky", (sky,), lambda: sky_table(sky)),
         part=parts,
         part_light=part_light,
         ground_light=np.zeros(len(LIGHT_BANDS)),
@@ -201,6 +201,17 @@ def _pack(world: LitWorld) -> PackedLight:
     ground_light, wall_light = _mean_light(world, packed)
     light = light._replace(ground_light=ground_light, wall_light=wall_light)
     return replace(packed, light=light)
+
+
+def _kept_or_made(world: LitWorld, name: str, causes: tuple[Any, ...], make: Callable[[], Any]) -> Any:
+    """What was made last of the same objects for this world, or for one that it was changed from, or what is made now.
+
+    Worlds that differ in materials or sky alone share what does not depend on these, which takes most of the time.
+    """
+    kept = world._kept.get(name)
+    if kept is None or any(one is not other for one, other in zip(kept[0], causes, strict=True)):
+        kept = world._kept[name] = (causes, make())
+    return kept[1]
 
 
 def _pack_surfaces(world: LitWorld) -> Any:
