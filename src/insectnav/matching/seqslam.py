@@ -128,9 +128,9 @@ def enhance_contrast(
 
     Notes
     -----
-    Milford & Wyeth, ICRA 2012, Eq. 3, doi 10.1109/ICRA.2012.6224623, in the form of OpenSeqSLAM v1. That takes the
-    least value of the whole matrix off; the default takes the least that could be, which is known before the last
-    frame has come.
+    Local contrast of Milford & Wyeth, ICRA 2012, doi 10.1109/ICRA.2012.6224623, in the form of OpenSeqSLAM v1. That
+    takes the least value of the whole matrix off; the default takes the least that could be, which is known before the
+    last frame has come.
     """
     params = params or SeqSlamParams()
     rows = _checked_rows(difference, params)

@@ -1,5 +1,7 @@
 """Recordings of others: read as they lie in the folder, named when missing, and what is known of them found."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -7,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from insectnav.checks import InputError
 from insectnav.experiments.experiment import Results
-from insectnav.experiments.published import NOT_COMPARABLE
+from insectnav.experiments.published import AGREES, DIFFERS, NOT_COMPARABLE
 from insectnav.experiments.recordings import constellations, files, nordland, sussex, tilted_skies
 from insectnav.sweep import published_numbers
 from real_routes import DATA
@@ -141,3 +143,43 @@ def test_tilted_skies_are_found_over_all_rotations(data):
     assert found[tilted_skies.ROTATION] == found[tilted_skies.WHOLE] == 1
     assert found[tilted_skies.HARMONICS] < 0.5
     assert table[0]["rotation_error_deg"] < 0.5
+
+
+# Verdicts on given tables.
+
+
+def verdicts_of(name, table):
+    experiment = EXPERIMENTS[name]
+    return {v.quantity: v for v in experiment.compare(table, published_numbers(experiment, name))}
+
+
+@pytest.mark.parametrize(("at_twice", "expected"), [(0.1, AGREES), (0.5, DIFFERS)])
+def test_words_on_speed_say_that_it_distorts_constellations(at_twice, expected):
+    first = next(iter(constellations.WAYS))
+    table = [
+        {"way": first, "season": "summer", "speed": speed, "queries": 300, "found": found}
+        for speed, found in ((1.0, 0.5), (2.0, at_twice))
+    ]
+    (verdict,) = verdicts_of("recordings-constellations", table).values()
+    assert verdict.verdict == expected
+
+
+def test_the_error_of_a_difference_of_shares_is_that_of_both():
+    table = [
+        {"tilt_deg": tilt, "way": way, "n": 100, "found": 1.0, "neighbour_found": 0.5}
+        for tilt in (0.0, 60.0)
+        for way in tilted_skies.WAYS
+    ]
+    given = verdicts_of("recordings-tilted-skies", table)
+    assert given["found by harmonics at 60°, sphere seen whole"].uncertainty == pytest.approx(0.05)
+    assert given["neighbours found at 0°, Zernike less contour"].uncertainty == pytest.approx(0.05 * np.sqrt(2.0))
+
+
+def test_captions_say_which_frames_are_left_out(monkeypatch):
+    cells = constellations.grid("quick")
+    caption = constellations.caption(Results([replace(cell, n_frames=1200) for cell in cells], {}))
+    assert "without the first 17, while the train stands" in caption
+    assert "counts as not found" in caption
+    cells = nordland.grid("quick")
+    caption = nordland.caption(Results([replace(cell, n_frames=1200) for cell in cells], {}))
+    assert "every second of the first 400 frames" in caption

@@ -12,6 +12,7 @@ from insectnav.experiments.experiment import Results
 from insectnav.experiments.published import AGREES, DIFFERS, NOT_COMPARABLE
 from insectnav.experiments.stone2014_places import descriptors_walk, fig_4ab, fig_4cd, walk_sensitivity
 from insectnav.experiments.stone2014_places.compass_runs import absolute_turns, found
+from insectnav.experiments.stone2014_places.mirror import mirror_pixels, unwrapped
 from insectnav.experiments.stone2014_places.route_pairs import (
     Pair,
     Run,
@@ -26,6 +27,7 @@ from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS, OT
 from insectnav.experiments.stone2014_places.walks import Walk, walk_of
 from insectnav.matching import Matches, TurnMatrix, turn_matrix
 from insectnav.sweep import published_numbers
+from insectnav.vision.descriptors import contour_amplitudes, harmonic_amplitudes, zernike_amplitudes
 
 
 def walk_with(day: str, arrays: Mapping[str, Any], every: int = 1) -> Walk:
@@ -246,7 +248,8 @@ def test_verdicts_of_descriptors_and_variations_follow_from_the_table():
     def row(name: str, precision: float, under: float) -> dict[str, Any]:
         return {
             "descriptor": name, "rig": "as carried", "n_frames": 2789, "precision_at_full_recall": precision,
-            "precision_error": 0.5, "precision_under_trees": under, "precision_elsewhere": precision,
+            "precision_error": 0.5, "precision_under_trees": under, "precision_under_trees_error": 0.5,
+            "precision_elsewhere": precision,
             "under_trees_less_elsewhere": under - precision, "under_trees_error": 0.01,
         }  # fmt: skip
 
@@ -272,3 +275,55 @@ def test_sensitivity_varies_one_thing_at_a_time_over_the_whole_walk():
     assert {cell.every for cell in cells} == {10}
     assert len({(cell.variation, cell.resolution_deg) for cell in cells}) == len(walk_sensitivity.VARIATIONS) + 1
     assert len({cell.variation for cell in walk_sensitivity.grid("quick")}) == 2
+
+
+# Captions.
+
+
+def test_the_caption_of_the_compass_counts_the_queries_that_are_drawn(monkeypatch: pytest.MonkeyPatch):
+    walks = {day: walk_with(day, {"x": np.arange(n)}) for day, n in (("january", 40), ("april", 70))}
+    runs = []
+    for reference, query in (("january", "april"), ("april", "january")):
+        queries = walks[query].sampled(0, 10)
+        turns = TurnMatrix(
+            np.zeros((len(walks[reference]), len(queries))), np.zeros((len(walks[reference]), len(queries)))
+        )
+        runs.append(found(walks[reference], walks[query], queries, turns))
+    monkeypatch.setattr(fig_4cd, "both_walks", lambda results: walks)
+    monkeypatch.setattr(fig_4cd, "_all_runs", lambda results: {fig_4cd.UV: runs, fig_4cd.GREY: runs})
+    results: Any = None
+    assert fig_4cd.drawn_run(results, fig_4cd.UV).query_day == "april"
+    assert "in c and d 7 of April with 40 of January" in fig_4cd.caption(results)
+
+
+def test_amplitudes_stay_when_the_mirror_picture_is_turned_by_half_a_turn():
+    rng = np.random.default_rng(5)
+    pixels = mirror_pixels(173, 3.0)
+    row, column = np.indices((173, 173)) - 86.0
+    edge = 40.0 + 3.0 * sum(
+        rng.standard_normal() * np.cos(k * np.arctan2(row, column) + rng.uniform(0.0, 6.3)) for k in range(1, 8)
+    )
+    sky = np.hypot(row, column) < edge
+    turned = np.ascontiguousarray(sky[::-1, ::-1])
+    assert_allclose(contour_amplitudes(turned), contour_amplitudes(sky), atol=1e-12)
+    first, second = (unwrapped(mask, pixels) for mask in (sky, turned))
+    assert_allclose(zernike_amplitudes(second), zernike_amplitudes(first), atol=1e-12)
+    assert_allclose(harmonic_amplitudes(second, n_degrees=60), harmonic_amplitudes(first, n_degrees=60), atol=1e-12)
+
+
+def test_words_on_trees_in_visible_light_are_held_against_both_lights():
+    names = descriptors_walk.NAMES
+
+    def row(name: str, under: float) -> dict[str, Any]:
+        return {
+            "descriptor": name, "rig": "as carried", "n_frames": 2789, "precision_at_full_recall": 90.0,
+            "precision_error": 0.5, "precision_under_trees": under, "precision_under_trees_error": 1.0,
+            "precision_elsewhere": 90.0, "under_trees_less_elsewhere": under - 90.0, "under_trees_error": 1.0,
+        }  # fmt: skip
+
+    quantity = "precision under trees, visible less UV, binary sky"
+    for visible, expected in ((85.0, AGREES), (60.0, DIFFERS)):
+        table = [row(name, visible if name == VISIBLE.name else 80.0) for name in names]
+        verdict = verdicts("stone2014-descriptors-walk", table)[quantity]
+        assert verdict.verdict == expected
+        assert (verdict.ours, verdict.uncertainty) == (visible - 80.0, pytest.approx(np.sqrt(2.0)))

@@ -1,9 +1,15 @@
 """Answers and their measures, against closed forms and a second way to the same thing."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from insectnav.experiments import load
+from insectnav.experiments.published import AGREES, DIFFERS, NOT_COMPARABLE
+from insectnav.experiments.stone2016_places import recognition
 from insectnav.experiments.stone2016_places.car_runs import last_third, median_precision
+from insectnav.experiments.stone2016_places.fig_5 import worst_labelled
 from insectnav.experiments.stone2016_places.frames import sky_grid
 from insectnav.experiments.stone2016_places.recognition import (
     Recognised,
@@ -13,6 +19,7 @@ from insectnav.experiments.stone2016_places.recognition import (
     right_by_turn,
     turned_apart,
 )
+from insectnav.sweep import published_numbers
 from insectnav.vision.descriptors import patch_normalised
 from insectnav.vision.sphere import rotation_matrix
 
@@ -121,3 +128,60 @@ def test_thirds_are_those_turned_least_and_most():
     turned = np.linspace(0.0, 1.0, 9)
     found = answer([0, 1, 2, 90, 90, 5, 90, 90, 8], np.ones(9))
     assert right_by_turn(found, turned) == pytest.approx((100.0, 100 / 3))
+
+
+def test_words_on_misaligned_views_are_held_against_the_thirds_turned_least_and_most():
+    columns = [
+        f"{name}{end}"
+        for name in ("recall_at_full_precision", "precision_at_full_recall", "area")
+        for end in ("", "_error")
+    ]
+
+    def row(method: str, length: int, least: float, most: float, n_frames: int = 1000) -> dict[str, Any]:
+        turned = {"right_where_turned_least": least, "right_where_turned_most": most}
+        others = dict.fromkeys(
+            ("median_precision", "in_right_section", "right_in_last_third", "sky_labelled_right"), 50.0
+        )
+        about = {"method": method, "sequence_length": length, "passages": "whole way", "site": "BMX Track"}
+        about |= {"n_frames": n_frames}
+        return about | dict.fromkeys(columns, 50.0) | others | turned
+
+    methods = (
+        recognition.VANILLA, recognition.NEUTRAL, recognition.SKY, recognition.POINTS, recognition.TRUE,
+        recognition.SKY_WHOLE, recognition.SINGLE, recognition.FABMAP,
+    )  # fmt: skip
+    fig_8 = load("stone2016-fig-8")
+    for least, most, expected in ((30.0, 6.0, AGREES), (6.0, 30.0, DIFFERS)):
+        table = [row(method, length, least, most) for method in methods for length in (1, 10, 20)]
+        given = {v.quantity: v for v in fig_8.compare(table, published_numbers(fig_8, "stone2016-fig-8"))}
+        verdict = given["share right where turned apart least less most, vanilla"]
+        assert (verdict.verdict, verdict.ours) == (expected, least - most)
+    table = [row(method, length, 30.0, 6.0, 40) for method in methods for length in (1, 10, 20)]
+    short = fig_8.compare(table, published_numbers(fig_8, "stone2016-fig-8"))
+    assert {verdict.verdict for verdict in short} == {NOT_COMPARABLE}
+    assert "40 frames of a part of the way, expected all 1000" in short[0].why
+
+
+def test_a_part_of_the_city_is_not_held_against_the_paper():
+    measures = ("recall_at_full_precision", "precision_at_full_recall", "area")
+
+    def table(n_frames: int) -> list[dict[str, Any]]:
+        methods = (recognition.VANILLA, recognition.SKY, recognition.TRUE, recognition.SINGLE)
+        numbers = dict.fromkeys([f"{name}{end}" for name in measures for end in ("", "_error")], 20.0)
+        about = {"passages": "whole way", "n_frames": n_frames, "sky_labelled_right": 99.0}
+        return [
+            {"tilt_difference_deg": apart, "method": method} | about | numbers
+            for apart in range(0, 61, 10)
+            for method in methods
+        ]
+
+    fig_5 = load("stone2016-fig-5")
+    published = published_numbers(fig_5, "stone2016-fig-5")
+    assert {verdict.verdict for verdict in fig_5.compare(table(32), published)} == {NOT_COMPARABLE}
+    assert NOT_COMPARABLE not in {verdict.verdict for verdict in fig_5.compare(table(520), published)}
+
+
+def test_frames_with_many_wrong_pixels_are_counted_in_the_worse_passage():
+    accuracy = {0: np.array([[99.0, 97.5], [96.0, 98.0]]), 1: np.array([[90.0, 99.0], [96.9, 100.0]])}
+    assert worst_labelled(accuracy, (0, 1)) == 50.0
+    assert worst_labelled(accuracy, (0, 0)) == 25.0

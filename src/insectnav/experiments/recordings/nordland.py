@@ -110,7 +110,7 @@ def _by_sequences(cell: Cell) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _by_words(cell: Cell, seed: int) -> tuple[np.ndarray, np.ndarray, float]:
-    """Words learnt from the first third of both seasons; winter, or summer half way between the frames of the map."""
+    """Words of every second frame of the first third; winter, or summer half way between the frames of the map."""
     summer, winter = nordland("summer"), nordland("winter")
     training = _enlarged(np.concatenate([summer[:N_TRAINING:2], winter[:N_TRAINING:2]]))
     vocabulary = build_vocabulary(training, N_WORDS, seed)
@@ -198,8 +198,8 @@ def caption(results: Results) -> str:
         f"Nordland, a railway in summer (the map) and winter, frames of 64 × 32 pixels ({used}). Precision over recall "
         f"of matches within {TOLERANCE} frames, frames taken ever farther apart; dashed: sequences of 10 steps, solid: "
         f"of 20, or single frames. FAB-MAP: {N_WORDS} words of SIFT features in frames enlarged {ENLARGED} times, "
-        f"learnt from the first {N_TRAINING} frames of both seasons and tried on the others; so small a frame has few "
-        "features."
+        f"learnt from every second of the first {N_TRAINING} frames of both seasons and tried on every tenth of the "
+        "others; so small a frame has few features."
     )
 
 

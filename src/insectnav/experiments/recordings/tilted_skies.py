@@ -209,11 +209,14 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
     """Claims of section 4.1 that hold for any sky."""
     share = {(row["tilt_deg"], row["way"]): float(row["found"]) for row in table}
     near = {(row["tilt_deg"], row["way"]): float(row["neighbour_found"]) for row in table}
-    n = max(int(table[0]["n"]), 1)
+    error = float(np.sqrt(0.25 / max(int(table[0]["n"]), 1)))  # of a share, at most
     ours = {
-        "found by harmonics at 60°, sphere seen whole": share[60.0, WHOLE],
-        "found by harmonics at 60°, cropped by the camera": share[60.0, HARMONICS],
-        "neighbours found at 0°, Zernike less contour": near[0.0, ZERNIKE] - near[0.0, CONTOUR],
+        "found by harmonics at 60°, sphere seen whole": (share[60.0, WHOLE], error),
+        "found by harmonics at 60°, cropped by the camera": (share[60.0, HARMONICS], error),
+        "neighbours found at 0°, Zernike less contour": (
+            near[0.0, ZERNIKE] - near[0.0, CONTOUR],
+            float(np.sqrt(2.0)) * error,
+        ),
     }
     crop = f"the camera crops the sphere, and the edge tilts with it: seen whole, {share[60.0, WHOLE]:.2f} are found"
     why = {
@@ -223,6 +226,6 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
     }
     missing = "" if table[0]["n"] else MISSING
     return [
-        judge(value, ours[name], np.sqrt(0.25 / n), why=why.get(name, "measured"), not_comparable=missing)
+        judge(value, *ours[name], why=why.get(name, "measured"), not_comparable=missing)
         for name, value in published.items()
     ]

@@ -10,10 +10,17 @@ import numpy as np
 
 from insectnav.experiments.experiment import Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge
+from insectnav.experiments.published import Published, Verdict, judge, surplus
 from insectnav.experiments.stone2014_places import fig_4ab
-from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, Run, contrast_of, pooled, route_pairs
-from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS, UV, Way
+from insectnav.experiments.stone2014_places.route_pairs import (
+    TOLERANCE,
+    Run,
+    contrast_of,
+    pooled,
+    route_pairs,
+    share_of,
+)
+from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS, UV, VISIBLE, Way
 from insectnav.experiments.stone2014_places.walks import Walk, both_walks, whole_or_why_not
 
 if TYPE_CHECKING:
@@ -60,6 +67,7 @@ def _row(runs: Sequence[Run], walks: Mapping[str, Walk], way: Way) -> dict[str, 
     is_under = trees > UNDER_TREES
     distance = np.concatenate([run.distance for run in runs])[is_matched]
     less, error = contrast_of(is_right.astype(np.float64), is_under, distance)
+    under = share_of(is_right[is_under], distance[is_under]) if is_under.any() else (float("nan"), float("nan"))
     return {
         "metric": way.metric,
         "n_frames": sum(len(walk) for walk in walks.values()),
@@ -70,7 +78,8 @@ def _row(runs: Sequence[Run], walks: Mapping[str, Walk], way: Way) -> dict[str, 
         "recall_error": 100.0 * score.recall_error,
         "precision_at_full_recall": 100.0 * score.precision,
         "precision_error": 100.0 * score.precision_error,
-        "precision_under_trees": 100.0 * float(is_right[is_under].mean()) if is_under.any() else float("nan"),
+        "precision_under_trees": 100.0 * under[0],
+        "precision_under_trees_error": 100.0 * under[1],
         "precision_elsewhere": 100.0 * float(is_right[~is_under].mean()) if not is_under.all() else float("nan"),
         "under_trees_less_elsewhere": 100.0 * less,
         "under_trees_error": 100.0 * error,
@@ -112,7 +121,8 @@ def caption(results: Results) -> str:
     return (
         "Rendered, no photograph: the walks of Fig. 4a, b, by SeqSLAM with five descriptors on the same frames, "
         f"{row['n_runs']} runs, {row['n_matches']} matches, right within {TOLERANCE:.0f} m. a, As carried. b, With the "
-        "rig turned by 180° on its pole for the test sets: amplitudes are those of a, bits and grey are turned. c, "
+        "rig turned by 180° on its pole for the test sets: bits and grey are turned; amplitudes, which such a turn "
+        "leaves as they are, are those of a. c, "
         f"Precision of all matches where trees cover more than {100.0 * UNDER_TREES:.0f} % above the horizon, and "
         "elsewhere, as carried."
     )
@@ -125,6 +135,7 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
     ours = {
         "precision, Zernike less Fourier contour": _less(zernike, contour),
         "precision, Zernike less binary sky": _less(zernike, sky),
+        "precision under trees, visible less UV, binary sky": surplus(rows[VISIBLE.name], sky, "precision_under_trees"),
         "precision under trees less elsewhere, Fourier contour": (
             contour["under_trees_less_elsewhere"],
             contour["under_trees_error"],

@@ -200,7 +200,9 @@ def caption(results: Results) -> str:
         f"directions; a match is right within {TOLERANCE:.0f} m. a, b, The run with the lowest precision of either "
         "light: green right, red wrong, yellow too near the ends for a sequence; upper right the number of the match "
         "over that of the query; lower left a frame that was matched wrongly, in a with the sky that was compared. c, "
-        "Precision over recall of all runs under one threshold; crosses are the published numbers. d, Other ways "
+        "Precision over recall of all runs under one threshold, recall of all queries that can be matched, which so "
+        "ends where all matches are kept; crosses are the published numbers, those at “100 % recall” where recall is "
+        "precision. d, Other ways "
         "(see the page); whiskers are standard errors by stretches of 100 m of the way."
     )
 

@@ -98,10 +98,9 @@ def draw(results: Results) -> Figure:
     parts: Any = figure.subfigures(2, 1, height_ratios=(3.1, 1.8))
     maps, lower = parts
     walks = both_walks(results)
-    query_day = tuple(walks)[-1]
     for letter, axes, name in zip("cd", maps.subplots(1, 2), (UV, GREY), strict=True):
-        run = next(run for run in _all_runs(results)[name] if run.query_day == query_day)
-        query = walks[query_day]
+        run = drawn_run(results, name)
+        query = walks[run.query_day]
         draw_directions(axes, query["position"][run.queries], run.advised, run.is_right(), query["position"])
         axes.legend(loc="upper left")
         name_panel(axes, letter, f"{name}: {100.0 * run.is_right().mean():.1f} % right")
@@ -121,6 +120,12 @@ def draw(results: Results) -> Figure:
     return figure
 
 
+def drawn_run(results: Results, name: str) -> CompassRun:
+    """The run that is drawn as a map: queries of the second day."""
+    second = tuple(both_walks(results))[-1]
+    return next(run for run in _all_runs(results)[name] if run.query_day == second)
+
+
 def _draw_bars(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
     for k, row in enumerate(rows):
         axes.barh(k, row["precision"], 0.7, xerr=row["precision_error"], color=COLOURS["sky"], error_kw={"lw": 0.7})
@@ -136,15 +141,17 @@ def _draw_bars(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
 
 def caption(results: Results) -> str:
     """What is shown."""
-    walks, run = both_walks(results), _all_runs(results)[UV][-1]
+    walks, run = both_walks(results), drawn_run(results, UV)
     size = next(iter(walks.values())).mirror_size
     return (
         "Rendered, no photograph: the walks of Fig. 4a, b. Every tenth second of one day is compared with all frames "
-        f"of the other (in c and d {len(run.queries)} with {len(walks[run.reference_day])}) after 90 turns of 4°; the "
-        f"nearest is the match, right within {TOLERANCE:.0f} m. c, Skies of {size} × {size} bits by exclusive or; d, "
+        f"of the other (in c and d {len(run.queries)} of {run.query_day.capitalize()} with "
+        f"{len(walks[run.reference_day])} of {run.reference_day.capitalize()}) after 90 turns of 4°; the nearest is "
+        f"the match, right within {TOLERANCE:.0f} m. c, Skies of {size} × {size} bits by exclusive or; d, "
         "unwrapped grey of 180 × 28 pixels by absolute differences. Arrows: the direction that the compass advises, "
         "green where the place is right. e, Precision with either day as the reference of the other, standard errors "
-        "by stretches of 100 m of the way; “SeqSLAM first” has no match near the ends. f, Share of the queries whose "
+        "by stretches of 100 m of the way; “SeqSLAM first” has no match near the ends, and skies that are not centred "
+        f"are of 1/{UNMOVED_REDUCTION} of the side. f, Share of the queries whose "
         "advised direction is less than so far off the course of the way."
     )
 

@@ -144,6 +144,13 @@ def distances(site: Site, number: int, n_frames: int, seed: int) -> Floats:
     return np.clip(site.length * way / way[-1], 0.0, site.length)
 
 
+def whole_or_why_not(site: Site, n_frames: int) -> str:
+    """Why numbers of so many frames of a passage are not held against published ones; nothing if all are there."""
+    if n_frames == site.n_frames:
+        return ""
+    return f"{n_frames} frames of a part of the way, expected all {site.n_frames}: run it at full scale"
+
+
 def true_references(reference: Floats, query: Floats) -> Floats:
     """Reference frame [frame] at which each query is on the way, between frames by interpolation, (query,)."""
     return np.interp(query, reference, np.arange(len(reference)))

@@ -125,7 +125,7 @@ def varied(results: Results, pairs: Mapping[str, tuple[int, int]], n_frames: int
     for name, numbers in pairs.items():
         reference, query = passage_pair(results, numbers, n_frames)
         truth = truth_between(reference, query)
-        for method in (VANILLA, SKY):
+        for method in (VANILLA, SKY, TRUE):
             answers[name, method] = in_sequences(differences(reference, query, method), truth)
         answers[name, SINGLE] = by_rotation(reference, query, truth, results.cells[0].size).single
     return answers
