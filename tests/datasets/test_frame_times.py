@@ -240,6 +240,13 @@ def test_clocks_that_are_not_the_same(frames: tuple, positions: tuple, says: str
         nearest_in_time(one, other, 0.1)
 
 
+@pytest.mark.parametrize("start", [0, 1_399_379_412])
+def test_nearest_within_just_the_gap_is_found_whatever_the_rounding(start: int):
+    time = start + np.arange(0, 100, 2) * 0.1
+    np.testing.assert_array_equal(nearest_in_time(time + 0.1, time, 0.1) >= 0, True)
+    np.testing.assert_array_equal(nearest_in_time(time + 0.1, time, 0.0999), -1)
+
+
 def test_clocks_that_may_be_the_same():
     hour = np.linspace(0, 3600, 50)
     check_common_clock("the frames", hour[10:12], "the positions", hour)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from insectnav.angles import Floats
 from insectnav.checks import InputError, as_numbers, check_range, check_shape, quoted
-from insectnav.datasets.clocks import check_common_clock
+from insectnav.datasets.clocks import check_common_clock, rounding_s
 from insectnav.datasets.frame_times import frame_name
 from insectnav.datasets.gps import SNIFFED, gps_kind, local_plane, read_gps
 from insectnav.datasets.gps_track import GpsTrack, check_degrees
@@ -200,7 +200,8 @@ def _at_times(positions: Positions, times: Floats, max_gap_s: float) -> Floats:
     found = (1 - share)[:, None] * place[before] + share[:, None] * place[after]
     is_exact = known[after] == times
     is_between = (known[before] <= times) & (times <= known[after])
-    is_found = is_exact | (is_between & (span <= max_gap_s) & (segment[before] == segment[after]))
+    is_near = span <= max_gap_s + rounding_s(known)
+    is_found = is_exact | (is_between & is_near & (segment[before] == segment[after]))
     if not is_found.any():
         usual = float(np.median(np.diff(known))) if len(known) > 1 else 0.0
         slip = "milliseconds taken as seconds, or raise the longest gap?" if usual > max_gap_s else "another recording?"

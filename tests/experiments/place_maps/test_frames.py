@@ -86,6 +86,13 @@ def test_thinning_by_number_distance_and_time():
     assert names(frames_at(), Thinning(every_s=1.0)) == ([], [str(k) for k in range(10)])
 
 
+@pytest.mark.parametrize("start", [0, 1_399_379_412])
+def test_thinning_by_just_the_interval_leaves_nothing_out_whatever_the_rounding(start: int):
+    times = [float(f"{start + k // 10}.{k % 10}") for k in range(400)]
+    assert len(names(frames_at(times, n=400), Thinning(every_s=0.1))[0]) == 400
+    assert len(names(frames_at(times, n=400), Thinning(every_s=0.101))[0]) == 200
+
+
 def test_times_and_positions_of_frames(tmp_path: Path):
     write_pictures(tmp_path / "a", views(5))
     (tmp_path / "track.csv").write_text("0,0,100\n1000,200,100\n4000,200,700\n")
