@@ -60,6 +60,22 @@ def test_dates_in_names_may_be_ahead_of_utc():
 
 
 @pytest.mark.parametrize(
+    ("name", "ahead_h"),
+    [
+        ("2014-05-06T12:00:00+02:00.jpg", 2.0),  # as date --iso-8601=seconds writes it
+        ("2014-05-06T12:00:00-05:00.jpg", -5.0),
+        ("20140506-120000+0530.jpg", 5.5),
+        ("20140506T120000.000-0330.jpg", -3.5),
+        ("20140506T120000Z.jpg", 0.0),
+        ("20140506_120000Zoo.jpg", 3.0),
+        ("20140506_120000+7.jpg", 3.0),
+    ],
+)
+def test_zones_in_names_are_followed(name: str, ahead_h: float):
+    assert times_in_names([name], utc_offset_h=3.0) == NOON - 3600 * ahead_h
+
+
+@pytest.mark.parametrize(
     ("names", "says"),
     [
         ([f"frame_{k:05d}.png" for k in range(5)], "numbers of frames"),
