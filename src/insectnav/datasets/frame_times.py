@@ -116,8 +116,8 @@ def times_in_names(names: Names, *, utc_offset_h: float = 0.0) -> Floats:
 
     A date with a time to the second at least (20140506_123015, 2014-05-06T12-30-15.250) gives seconds since 1970; a
     zone after it (Z, +02:00, +0200, -05:00) is followed, but four digits after a hyphen alone are a fraction. Otherwise
-    the number in the name is taken as seconds, or the one that differs from name to name; numbers of 13, 16 and 19 digits
-    are milli-, micro- and nanoseconds since 1970.
+    the number in the name is taken as seconds, or the one that differs from name to name; numbers of 13, 16 and 19
+    digits are milli-, micro- and nanoseconds since 1970.
 
     Parameters
     ----------
