@@ -14,14 +14,14 @@ UNITS = {1e3: "milliseconds", 1e6: "microseconds", 1e9: "nanoseconds"}
 UNIX = 1e9  # [s] and later: a time since 1970, in the years that there are recordings of
 
 
-def rounding_s(times: ArrayLike) -> float:
-    """By how much a difference of two such times [s] may be off; of times since 1970 it is a microsecond.
+def rounding_of(values: ArrayLike) -> float:
+    """By how much a difference of two such values may be off; of times since 1970 [s] it is a microsecond.
 
     Parameters
     ----------
-    times : (...) array [s], NaN where not known
+    values : (...) array of times or places in any unit, NaN where not known
     """
-    known = np.abs(np.asarray(times, float))
+    known = np.abs(np.asarray(values, float))
     return float(4 * np.spacing(np.max(known, where=np.isfinite(known), initial=0.0)))
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from insectnav.angles import Floats
 from insectnav.checks import InputError, as_numbers, check_count, check_range, check_shape, quoted
-from insectnav.datasets.clocks import check_common_clock, rounding_s
+from insectnav.datasets.clocks import check_common_clock, rounding_of
 from insectnav.datasets.exif_times import read_exif_time
 from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS
 from insectnav.datasets.table_columns import find_columns, likely_slip, listed
@@ -204,7 +204,7 @@ def nearest_in_time(first: ArrayLike, second: ArrayLike, max_gap_s: float) -> np
     is_before = asked - known[order[before]] <= known[order[after]] - asked
     nearest = order[np.where(is_before, before, after)]
     with np.errstate(invalid="ignore"):
-        is_near = np.abs(asked - known[nearest]) <= max_gap_s + rounding_s(known)
+        is_near = np.abs(asked - known[nearest]) <= max_gap_s + rounding_of(known)
         return np.where(is_near, nearest, -1)
 
 

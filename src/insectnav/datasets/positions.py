@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from insectnav.angles import Floats
 from insectnav.checks import InputError, as_numbers, check_range, check_shape, quoted
-from insectnav.datasets.clocks import check_common_clock, rounding_s
+from insectnav.datasets.clocks import check_common_clock, rounding_of
 from insectnav.datasets.frame_times import frame_name
 from insectnav.datasets.gps import SNIFFED, gps_kind, local_plane, read_gps
 from insectnav.datasets.gps_track import GpsTrack, check_degrees
@@ -210,7 +210,7 @@ def _at_times(positions: Positions, times: Floats, max_gap_s: float) -> Floats:
     found = (1 - share)[:, None] * place[before] + share[:, None] * place[after]
     is_exact = known[after] == times
     is_between = (known[before] <= times) & (times <= known[after])
-    is_near = span <= max_gap_s + rounding_s(known[[0, -1]])
+    is_near = span <= max_gap_s + rounding_of(known[[0, -1]])
     is_found = is_exact | (is_between & is_near & (segment[before] == segment[after]))
     if not is_found.any():
         usual = float(np.median(np.diff(known))) if len(known) > 1 else 0.0

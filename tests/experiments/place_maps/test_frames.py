@@ -93,6 +93,13 @@ def test_thinning_by_just_the_interval_leaves_nothing_out_whatever_the_rounding(
     assert len(names(frames_at(times, n=400), Thinning(every_s=0.101))[0]) == 200
 
 
+@pytest.mark.parametrize("start", [0, 5_600_000])  # metres north of the equator
+def test_thinning_by_just_the_distance_leaves_nothing_out_whatever_the_rounding(start: int):
+    places = [(500_000.0, float(f"{start + k // 10}.{k % 10}")) for k in range(400)]
+    assert len(names(frames_at(positions=places, n=400), Thinning(every_m=0.1))[0]) == 400
+    assert len(names(frames_at(positions=places, n=400), Thinning(every_m=0.101))[0]) == 200
+
+
 def test_times_and_positions_of_frames(tmp_path: Path):
     write_pictures(tmp_path / "a", views(5))
     (tmp_path / "track.csv").write_text("0,0,100\n1000,200,100\n4000,200,700\n")
