@@ -74,7 +74,7 @@ def check_destination(destination: str | os.PathLike[str], option: str = "--out"
     Raises
     ------
     InputError
-        If the destination is an empty name or a file, cannot be written, or holds other things than earlier results.
+        If the destination is no name, is a file, cannot be written, or holds other things than earlier results.
     """
     if not os.fspath(destination):
         raise InputError(f"{option} is an empty name, expected a folder or '.': a variable that is not set?")
