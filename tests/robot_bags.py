@@ -39,7 +39,7 @@ class Messages:
         )
 
     def compressed(self, seconds: float, ending: str, picture: np.ndarray):
-        data = cv2.imencode(f".{ending}", picture[..., ::-1])[1].reshape(-1)
+        data = cv2.imencode(f".{ending}", picture[..., ::-1] if picture.ndim == 3 else picture)[1].reshape(-1)
         return self.make("sensor_msgs/msg/CompressedImage", header=self.header(seconds), format=ending, data=data)
 
     def fix(self, seconds: float, latitude: float, longitude: float, altitude: float, status: int = 0):

@@ -180,6 +180,7 @@ def test_deep_pictures_have_masks_as_bytes_have(run, walk: Path):
         (["walk", "--smooth", "0"], "smooth is 0"),
         (["walk", "--mask", "walk/view9.png"], "is in colour"),
         (["walk", "--out", "walk"], "holds other files"),
+        (["walk", "--out", ""], "--out is an empty name"),
         (["empty"], "no photograph"),
     ],
 )

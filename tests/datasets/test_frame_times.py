@@ -60,6 +60,22 @@ def test_dates_in_names_may_be_ahead_of_utc():
 
 
 @pytest.mark.parametrize(
+    ("name", "ahead_h"),
+    [
+        ("2014-05-06T12:00:00+02:00.jpg", 2.0),  # as date --iso-8601=seconds writes it
+        ("2014-05-06T12:00:00-05:00.jpg", -5.0),
+        ("20140506-120000+0530.jpg", 5.5),
+        ("20140506T120000.000-0330.jpg", -3.5),
+        ("20140506T120000Z.jpg", 0.0),
+        ("20140506_120000Zoo.jpg", 3.0),
+        ("20140506_120000+7.jpg", 3.0),
+    ],
+)
+def test_zones_in_names_are_followed(name: str, ahead_h: float):
+    assert times_in_names([name], utc_offset_h=3.0) == NOON - 3600 * ahead_h
+
+
+@pytest.mark.parametrize(
     ("names", "says"),
     [
         ([f"frame_{k:05d}.png" for k in range(5)], "numbers of frames"),
@@ -238,6 +254,13 @@ def test_clocks_that_are_not_the_same(frames: tuple, positions: tuple, says: str
         check_common_clock("the frames", one, "the positions", other)
     with pytest.raises(InputError, match=says):
         nearest_in_time(one, other, 0.1)
+
+
+@pytest.mark.parametrize("start", [0, 1_399_379_412])
+def test_nearest_within_just_the_gap_is_found_whatever_the_rounding(start: int):
+    time = start + np.arange(0, 100, 2) * 0.1
+    np.testing.assert_array_equal(nearest_in_time(time + 0.1, time, 0.1) >= 0, True)
+    np.testing.assert_array_equal(nearest_in_time(time + 0.1, time, 0.0999), -1)
 
 
 def test_clocks_that_may_be_the_same():

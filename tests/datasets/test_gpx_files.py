@@ -55,10 +55,10 @@ def test_zones_and_fractions_of_seconds(text: str, seconds: float):
 
 
 def test_points_without_time_are_kept():
-    track = parse_gpx(gpx(segment(point(height="12.5"), point(52.0))))
+    track = parse_gpx(gpx(segment(point(height="12.5"), point(52.0), point(53.0, height=" ", time=" "))))
     assert np.isnan(track.time).all()
-    np.testing.assert_array_equal(track.height, [12.5, np.nan])
-    np.testing.assert_array_equal(track.latitude_deg, [51, 52])
+    np.testing.assert_array_equal(track.height, [12.5, np.nan, np.nan])
+    np.testing.assert_array_equal(track.latitude_deg, [51, 52, 53])
 
 
 def test_heights_and_times_of_other_elements_are_not_those_of_points():

@@ -38,6 +38,15 @@ def test_gaps_are_not_bridged_but_their_ends_are_known():
     np.testing.assert_array_equal(positions_of_frames(positions, times=[5], max_gap_s=3.5)[:, 0], [5])
 
 
+@pytest.mark.parametrize("start", [0, 1_399_379_412])  # on a clock from 1970 a tenth of a second is off by 1e-7
+def test_a_gap_of_just_the_interval_is_bridged_whatever_the_rounding(start: int):
+    time = np.array([float(f"{start + k // 10}.{k % 10}") for k in range(2000)])
+    positions = at_times(*((one, k, 0) for k, one in enumerate(time)))
+    found = positions_of_frames(positions, times=(time[1:] + time[:-1]) / 2, max_gap_s=0.1)
+    np.testing.assert_allclose(found[:, 0], np.arange(1999) + 0.5, atol=1e-5)
+    assert np.isnan(positions_of_frames(positions, times=time[[0, 3]] + [0, 0.05], max_gap_s=0.0999)[1, 0])
+
+
 def test_segments_are_not_joined():
     positions = at_times((0, 0, 0), (1, 1, 0), (2, 9, 0), (3, 8, 0), segment=[0, 0, 1, 1])
     found = positions_of_frames(positions, times=[0.5, 1, 1.5, 2, 2.5])

@@ -37,13 +37,14 @@ def test_fixes_become_metres_and_what_is_no_fix_is_left_out(kind: str, tmp_path:
             messages.fix(1.0, 60.0, 10.0, np.nan),
             messages.fix(2.0, 0.0, 0.0, 0.0, status=-1),
             messages.fix(4.0, np.nan, 10.0, 30.0),
+            messages.fix(0.0, np.nan, np.nan, np.nan, status=-1),  # before it knows the time, either
         ]
 
     positions = bag_positions(bag(tmp_path, kind, {"/fix": fixes}))
     np.testing.assert_array_equal(positions.time, [1, 3])
     np.testing.assert_allclose(positions.position, [(0, 0, np.nan), (0, 111.412, 30)], atol=1e-3)
     assert positions.origin_deg == (60, 10)
-    assert positions.notes[0] == "messages left out, no fix: 2"
+    assert positions.notes[0] == "messages left out, no fix: 3"
     assert (
         bag_positions(tmp_path / ("walk.bag" if kind == ROS1 else "walk"), origin_deg=(60.001, 10)).position[1, 1] == 0
     )
@@ -84,6 +85,18 @@ def test_compressed_pictures(kind: str, tmp_path: Path):
     first, second = (picture for _, picture in bag_images(bag(tmp_path, kind, {"/camera": make})))
     np.testing.assert_array_equal(first, smooth)
     np.testing.assert_allclose(second, smooth, atol=3)
+
+
+def test_compressed_raw_data_of_a_colour_sensor_are_refused_unless_demosaiced(tmp_path: Path):
+    def make(messages: Messages) -> list:
+        pictures = [messages.compressed(k + 1.0, "png", one) for k, one in enumerate((PICTURE, PICTURE[..., 0]))]
+        pictures[0].format, pictures[1].format = "bayer_rggb8; png compressed bgr8", "bayer_rggb8; png compressed "
+        return pictures
+
+    first, second = bag_frames(bag(tmp_path, ROS2, {"/camera": make}))
+    np.testing.assert_array_equal(first.read(), PICTURE)
+    with pytest.raises(InputError, match="message 1 of '/camera' in 'walk' is raw data of a colour sensor"):
+        second.read()
 
 
 @pytest.mark.parametrize(

@@ -182,6 +182,13 @@ def test_destination_that_cannot_be_is_refused_before_the_work(name: str, words:
     assert tree(tmp_path) == before
 
 
+def test_an_empty_name_is_not_the_working_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match="--out is an empty name, expected a folder"), results_folder(""):
+        pass
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="the superuser may write anywhere")
 def test_folder_without_permission_is_refused(tmp_path: Path):
     tmp_path.chmod(0o555)

@@ -313,6 +313,14 @@ def test_a_folder_that_is_not_there_is_said_so_with_the_map_that_is_meant(tmp_pa
     assert damaged(tmp_path / "wood").endswith("does not exist, expected the folder of a map")
 
 
+@pytest.mark.parametrize("folder", ["", "."])
+def test_the_present_folder_is_no_new_one(tmp_path, monkeypatch, folder):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=r"'\.' is named, expected the name of a new folder"):
+        PlaceMap.build(folder, ROUTE, ABOUT)
+    assert not list(tmp_path.iterdir())
+
+
 def test_folders_of_others_are_refused(tmp_path):
     import zarr
 

@@ -117,6 +117,7 @@ def test_an_image_without_features_has_no_words():
     [
         (lambda: build_vocabulary(np.zeros((5, 40, 40), np.uint8), 10), "5 training images have 0 features in all"),
         (lambda: build_vocabulary(TRAINING[:1], 1000), "expected at least 1000, as many as words"),
+        (lambda: vocabulary_of_features([np.eye(4), np.eye(4)], 5), "in all but fewer than 5 different ones"),
         (lambda: build_vocabulary(TRAINING, 10, detector="surf"), "detector 'surf' is unknown"),
         (lambda: build_vocabulary(TRAINING, 1), "n_words is 1"),
         (lambda: build_vocabulary(TRAINING, 10, seed=-1), "seed is -1"),

@@ -25,6 +25,17 @@ def test_tolerance_includes_its_end():
     assert not true_matches_by_position([(3.0, 4.0, 1.0)], [(0.0, 0.0, 0.0)], 5.0).can_be_matched
 
 
+def test_tolerance_includes_its_end_whatever_the_rounding():
+    place = np.array([(0.0, float(f"5600000.{k}") if k < 10 else 5600001.0) for k in range(11)])  # every 10 cm
+    apart = true_matches_by_position(place[3:], place[:1], 1.0)
+    assert apart.can_be_matched.all()
+    for steps in range(1, 8):
+        for k in range(len(place) - steps):
+            ends = place[[k + steps]], place[[k]]
+            assert true_matches_by_position(*ends, float(f"0.{steps}")).can_be_matched
+            assert not true_matches_by_position(*ends, float(f"0.{steps}") - 1e-6).can_be_matched
+
+
 places = st.lists(st.tuples(st.floats(-50, 50), st.floats(-50, 50)), min_size=1, max_size=20).map(np.array)
 
 

@@ -64,7 +64,7 @@ def home(
             raise InputError("--reverse and --steps-per-unit need a track, but none was given")
         name = (Path(track).stem + "-reversed" * reverse) if track else "random-trip"
         folder = Path(out if out is not None else f"out/{name}")
-        check_destination(folder)
+        check_destination(folder if out is None else out)
         if context.obj is not None:  # in a process of our own
             _load_numba_alone()
         with progress_bar(trials, "ways home") as advance:

@@ -64,7 +64,7 @@ def segment(
         seed=seed,
     )
     folder = Path(out if out is not None else f"out/segment-{Path(images[0]).resolve().stem}")
-    check_destination(folder)
+    check_destination(folder if out is None else out)
     total = count_pictures(find_images(images, (*PICTURES, *RAW, *VIDEOS)), step)
     with progress_bar(total, "pictures") as advance:
         result = run(images, params, folder, truth, advance)

@@ -35,13 +35,12 @@ def picture_of(message: Any, name: str) -> NDArray[Any]:
         If the encoding is none of those that are read, or the data do not fit to it.
     """
     if not hasattr(message, "encoding"):
-        return decoded_image(bytes(message.data), name)
+        picture = decoded_image(bytes(message.data), name)
+        if picture.ndim == 2:  # else they were demosaiced before
+            _refuse_raw(message.format, name)
+        return picture
     encoding = message.encoding
-    if encoding.startswith("bayer"):
-        raise InputError(
-            f"{name} is raw data of a colour sensor ({quoted(encoding)}), expected a picture: record the topic after "
-            "image_proc, or demosaic it first?"
-        )
+    _refuse_raw(encoding, name)
     if encoding not in ENCODINGS:
         raise InputError(f"{name} has the encoding {quoted(encoding)}, expected one of {', '.join(ENCODINGS)}")
     n_bytes, bands = ENCODINGS[encoding]
@@ -60,3 +59,11 @@ def picture_of(message: Any, name: str) -> NDArray[Any]:
     if not bands:
         return lines
     return np.ascontiguousarray(lines.reshape(rows, columns, len(bands))[..., [bands.index(band) for band in "rgb"]])
+
+
+def _refuse_raw(encoding: str, name: str) -> None:
+    if encoding.startswith("bayer"):
+        raise InputError(
+            f"{name} is raw data of a colour sensor ({quoted(encoding)}), expected a picture: record the topic after "
+            "image_proc, or demosaic it first?"
+        )

@@ -1,6 +1,7 @@
 """Two streams of times: whether they are of one clock, and which of them belong together."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from insectnav.angles import Floats
 from insectnav.checks import InputError
@@ -11,6 +12,17 @@ LEAP_SECONDS = 18.0  # by which satellites are ahead of UTC since 2017
 WIDEST_ZONES = 26.0  # [h] from UTC−12 to UTC+14
 UNITS = {1e3: "milliseconds", 1e6: "microseconds", 1e9: "nanoseconds"}
 UNIX = 1e9  # [s] and later: a time since 1970, in the years that there are recordings of
+
+
+def rounding_of(values: ArrayLike) -> float:
+    """By how much a difference of two such values may be off; of times since 1970 [s] it is a microsecond.
+
+    Parameters
+    ----------
+    values : (...) array of times or places in any unit, NaN where not known
+    """
+    known = np.abs(np.asarray(values, float))
+    return float(4 * np.spacing(np.max(known, where=np.isfinite(known), initial=0.0)))
 
 
 def check_common_clock(first_name: str, first: Floats, second_name: str, second: Floats, margin_s: float = 0.0) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from insectnav.angles import Floats
 from insectnav.checks import InputError, as_numbers, check_count, check_range, check_shape, quoted
-from insectnav.datasets.clocks import check_common_clock
+from insectnav.datasets.clocks import check_common_clock, rounding_of
 from insectnav.datasets.exif_times import read_exif_time
 from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS
 from insectnav.datasets.table_columns import find_columns, likely_slip, listed
@@ -27,7 +27,8 @@ WIDEST_ZONE_H = 14.0  # [h] ahead of UTC
 UNIX_DIGITS = {13: 1e-3, 16: 1e-6, 19: 1e-9}
 _NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)?")
 _DATE = re.compile(
-    r"(?<!\d)((?:19|20)\d\d)([-_:]?)(\d\d)\2(\d\d)[-_T ]?(\d\d)([-_:.]?)(\d\d)\6(\d\d)(?:[-_.,]?(\d{1,9}))?(?!\d)",
+    r"(?<!\d)((?:19|20)\d\d)([-_:]?)(\d\d)\2(\d\d)[-_T ]?(\d\d)([-_:.]?)(\d\d)\6(\d\d)"
+    r"(?:[-_.,]?(\d{1,9})(?![\d:]))?(?P<zone>[zZ](?![a-zA-Z])|[+-](?:0\d|1[0-4]):?(?:00|15|30|45))?(?!\d)",
     re.ASCII,
 )
 
@@ -113,14 +114,15 @@ def times_in_table(
 def times_in_names(names: Names, *, utc_offset_h: float = 0.0) -> Floats:
     """Times (frame,) [s] in names of files.
 
-    A date with a time to the second at least (20140506_123015, 2014-05-06T12-30-15.250) gives seconds since 1970.
-    Otherwise the number in the name is taken as seconds, or the one that differs from name to name; numbers of 13, 16
-    and 19 digits are milli-, micro- and nanoseconds since 1970.
+    A date with a time to the second at least (20140506_123015, 2014-05-06T12-30-15.250) gives seconds since 1970; a
+    zone after it (Z, +02:00, +0200, -05:00) is followed, but four digits after a hyphen alone are a fraction. Otherwise
+    the number in the name is taken as seconds, or the one that differs from name to name; numbers of 13, 16 and 19
+    digits are milli-, micro- and nanoseconds since 1970.
 
     Parameters
     ----------
     names : of files
-    utc_offset_h : hours by which dates are ahead of UTC
+    utc_offset_h : hours by which dates are ahead of UTC that do not say so themselves
 
     Raises
     ------
@@ -130,9 +132,9 @@ def times_in_names(names: Names, *, utc_offset_h: float = 0.0) -> Floats:
     check_range("offset from UTC", utc_offset_h, -WIDEST_ZONE_H, WIDEST_ZONE_H, "h")
     stems = [frame_name(name) for name in names]
     check_count("number of frames", len(stems))
-    dates = [_date(stem) for stem in stems]
+    dates = [_date(stem, utc_offset_h) for stem in stems]
     if all(date is not None for date in dates):
-        return np.array(dates, float) - 3600 * utc_offset_h
+        return np.array(dates, float)
     words = _differing(stems)
     if len({len(word) for word in words}) == 1 and "." not in "".join(words) and len(words[0]) in UNIX_DIGITS:
         return np.array([int(word) for word in words]) * UNIX_DIGITS[len(words[0])]
@@ -202,7 +204,8 @@ def nearest_in_time(first: ArrayLike, second: ArrayLike, max_gap_s: float) -> np
     is_before = asked - known[order[before]] <= known[order[after]] - asked
     nearest = order[np.where(is_before, before, after)]
     with np.errstate(invalid="ignore"):
-        return np.where(np.abs(asked - known[nearest]) <= max_gap_s, nearest, -1)
+        is_near = np.abs(asked - known[nearest]) <= max_gap_s + rounding_of(known)
+        return np.where(is_near, nearest, -1)
 
 
 def _at_rate(numbers: ArrayLike, frames_per_second: float) -> Floats:
@@ -245,8 +248,8 @@ def _looked_up(path: Path, names: Names | None, numbers: ArrayLike | None) -> Fl
     return times
 
 
-def _date(stem: str) -> float | None:
-    """Seconds since 1970 of a date and time in a name, as if they were UTC."""
+def _date(stem: str, utc_offset_h: float) -> float | None:
+    """Seconds since 1970 of a date and time in a name, which are ahead of UTC by as much unless the name says so."""
     found = _DATE.search(stem)
     if found is None:
         return None
@@ -255,7 +258,17 @@ def _date(stem: str) -> float | None:
         whole = datetime(year, month, day, hour, minute, second, tzinfo=UTC).timestamp()
     except ValueError:
         return None
-    return whole + float("0." + (found[9] or "0"))
+    return whole + float("0." + (found[9] or "0")) - 3600 * _zone(found["zone"], utc_offset_h)
+
+
+def _zone(text: str | None, unless_said: float) -> float:
+    """Hours ahead of UTC of Z, +02:00 or -0500."""
+    if text is None:
+        return unless_said
+    if text in "zZ":
+        return 0.0
+    hours = int(text[1:3]) + int(text[-2:]) / 60
+    return -hours if text[0] == "-" else hours
 
 
 def _differing(stems: Sequence[str]) -> list[str]:

@@ -78,7 +78,7 @@ class _Reader:
 
     def end(self, name: str) -> None:
         if self.path[:-1] == POINT and self.path[-1] == "ele":
-            self._height = _number({"ele": self._text}, "ele")
+            self._height = _number({"ele": self._text}, "ele") if self._text.strip() else float("nan")
         elif self.path[:-1] == POINT and self.path[-1] == "time":
             self._time = self._seconds()
         elif self.path == POINT:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
+from functools import cached_property
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from insectnav.angles import Floats
 from insectnav.checks import InputError, as_numbers, check_range, check_shape, quoted
-from insectnav.datasets.clocks import check_common_clock
+from insectnav.datasets.clocks import check_common_clock, rounding_of
 from insectnav.datasets.frame_times import frame_name
 from insectnav.datasets.gps import SNIFFED, gps_kind, local_plane, read_gps
 from insectnav.datasets.gps_track import GpsTrack, check_degrees
@@ -84,6 +85,19 @@ class Positions:
     def is_known(self) -> npt.NDArray[np.bool_]:
         """Whether x and y are known, (n,); heights may lack."""
         return np.asarray(np.isfinite(self.position[:, :2]).all(axis=-1))
+
+    @cached_property
+    def in_time(self) -> tuple[Floats, Floats, npt.NDArray[np.int64]]:
+        """What is known in order of time: (n,) times, (n, 3) positions and (n,) segments; of several at one time one.
+
+        Found once, since the frames of a recording ask one by one.
+        """
+        time = np.full(len(self.position), np.nan) if self.time is None else self.time
+        segment = np.zeros(len(time), np.int64) if self.segment is None else self.segment
+        usable = np.flatnonzero(self.is_known & np.isfinite(time))
+        usable = usable[np.argsort(time[usable], kind="stable")]
+        usable = usable[np.diff(time[usable], prepend=-np.inf) > 0]
+        return time[usable], self.position[usable], segment[usable]
 
 
 def read_positions(
@@ -185,14 +199,10 @@ def _at_times(positions: Positions, times: Floats, max_gap_s: float) -> Floats:
     check_range("longest gap", max_gap_s, 0.0, np.inf, "s")
     if positions.time is None:
         raise InputError("the positions have no times, expected some: match by name or number of frames?")
-    segment = np.zeros(len(positions.time), np.int64) if positions.segment is None else positions.segment
-    usable = np.flatnonzero(positions.is_known & np.isfinite(positions.time))
-    if not usable.size:
+    known, place, segment = positions.in_time
+    if not known.size:
         raise InputError("no position is known at a known time, expected some")
-    usable = usable[np.argsort(positions.time[usable], kind="stable")]
-    usable = usable[np.diff(positions.time[usable], prepend=-np.inf) > 0]  # of several at one time, the first
-    known, place, segment = positions.time[usable], positions.position[usable], segment[usable]
-    check_common_clock("the frames", times, "the positions", known, max_gap_s)
+    check_common_clock("the frames", times, "the positions", known[[0, -1]], max_gap_s)
     after = np.searchsorted(known, times).clip(0, len(known) - 1)  # the first that is not earlier
     before = np.where(known[after] == times, after, np.maximum(after - 1, 0))
     span = known[after] - known[before]
@@ -200,7 +210,8 @@ def _at_times(positions: Positions, times: Floats, max_gap_s: float) -> Floats:
     found = (1 - share)[:, None] * place[before] + share[:, None] * place[after]
     is_exact = known[after] == times
     is_between = (known[before] <= times) & (times <= known[after])
-    is_found = is_exact | (is_between & (span <= max_gap_s) & (segment[before] == segment[after]))
+    is_near = span <= max_gap_s + rounding_of(known[[0, -1]])
+    is_found = is_exact | (is_between & is_near & (segment[before] == segment[after]))
     if not is_found.any():
         usual = float(np.median(np.diff(known))) if len(known) > 1 else 0.0
         slip = "milliseconds taken as seconds, or raise the longest gap?" if usual > max_gap_s else "another recording?"

@@ -145,13 +145,12 @@ def bag_positions(
     with _opened(Path(path)) as bag:
         for sealed in bag.sealed_messages(topic, PLACES, "positions"):
             message = sealed.open()
-            time = sealed.time(message, clock)
             is_global = hasattr(message, "latitude")
             place = _place(message)
             if place is None:
                 n_without += 1
                 continue
-            times.append(time)
+            times.append(sealed.time(message, clock))
             places.append(place)
             if len(times) > MAX_FIXES:
                 raise InputError(f"the topic holds more than {MAX_FIXES} positions, expected a single recording")

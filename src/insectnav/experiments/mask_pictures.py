@@ -49,8 +49,12 @@ def overlay(picture: NDArray[Any], mask: Bools, valid: Bools) -> NDArray[np.uint
 
 
 def displayed(picture: NDArray[Any]) -> NDArray[np.uint8]:
-    """A picture of any type as 8-bit colours; what has more than 8 bits is scaled to its 99.5th percentile."""
+    """A picture of any type as 8-bit colours; what has more than 8 bits is scaled to its 99.5th percentile.
+
+    What is no finite number is black.
+    """
     if picture.dtype != np.uint8:
+        picture = np.where(np.isfinite(picture), picture, 0)
         white = float(np.percentile(picture, 99.5)) or float(picture.max()) or 1.0
         picture = np.rint(np.clip(picture / white, 0.0, 1.0) * 255.0).astype(np.uint8)
     return np.repeat(picture[..., None], 3, axis=2) if picture.ndim == 2 else picture

@@ -74,8 +74,10 @@ def check_destination(destination: str | os.PathLike[str], option: str = "--out"
     Raises
     ------
     InputError
-        If the destination is a file, cannot be written, or holds other things than earlier results.
+        If the destination is no name, is a file, cannot be written, or holds other things than earlier results.
     """
+    if not os.fspath(destination):
+        raise InputError(f"{option} is an empty name, expected a folder or '.': a variable that is not set?")
     final = Path(os.path.realpath(destination))
     shown = f"{option} {quoted(destination, limit=200)}"
     with written_to(destination, option):

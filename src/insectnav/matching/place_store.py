@@ -76,9 +76,22 @@ def written(folder: Path, what: str = "map") -> Iterator[None]:
         raise InputError(f"the {what} {shown(folder)} cannot be written ({error.strerror})") from None
 
 
+def check_named(folder: Path) -> None:
+    """Refuse a folder that is to be made but has no name.
+
+    Raises
+    ------
+    InputError
+        If it is the present one, which an empty name stands for as well.
+    """
+    if not folder.name:
+        raise InputError(f"{shown(folder)} is named, expected the name of a new folder: a variable that is not set?")
+
+
 @contextmanager
 def whole_folder(final: Path) -> Iterator[Path]:
     """A temporary folder beside the final one, which is on disk and renamed when the block has ended well."""
+    check_named(final)
     temporary = final.with_name(f".{final.name}.{secrets.token_hex(4)}.partial")
     temporary.mkdir(parents=True)
     try:

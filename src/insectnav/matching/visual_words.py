@@ -1,5 +1,6 @@
 """Visual words: local features of images, grouped into a vocabulary, and which of its words an image holds."""
 
+import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -201,11 +202,20 @@ def _group(features: Sequence[Reals], n_words: int, seed: int, slip: str) -> Rea
             f"as words: {slip}"
         )
     from sklearn.cluster import KMeans
+    from sklearn.exceptions import ConvergenceWarning
     from threadpoolctl import threadpool_limits
 
-    with threadpool_limits(1):
-        grouping = KMeans(n_clusters=n_words, n_init=1, max_iter=MAX_STEPS, random_state=seed)
-        return np.asarray(grouping.fit(np.concatenate(features)).cluster_centers_, np.float32)
+    grouping = KMeans(n_clusters=n_words, n_init=1, max_iter=MAX_STEPS, random_state=seed)
+    with threadpool_limits(1), warnings.catch_warnings():
+        warnings.simplefilter("error", ConvergenceWarning)  # of groups that nothing is nearest to
+        try:
+            grouping.fit(np.concatenate(features))
+        except ConvergenceWarning:
+            raise InputError(
+                f"{len(features)} training images have {n_features} features in all but fewer than {n_words} different "
+                f"ones, expected at least as many as words: {slip}"
+            ) from None
+    return np.asarray(grouping.cluster_centers_, np.float32)
 
 
 def _nearest_words(vectors: Reals, words: Reals) -> NDArray[np.int64]:

@@ -55,8 +55,22 @@ def true_matches_by_position(
     is_known = np.isfinite(query).all(axis=-1)
     nearest, distance = _nearest(query[is_known], reference[rows])
     found = np.full(len(query), np.nan)
-    found[is_known] = np.where(distance <= tolerance_m, rows[nearest], np.nan)
+    found[is_known] = np.where(within(distance, tolerance_m, query, reference), rows[nearest], np.nan)
     return TrueMatches(found, np.isfinite(found), is_known)
+
+
+def within(distance: Reals, tolerance: float, *positions: Reals) -> Bools:
+    """Whether distances are at most the tolerance, but for the rounding of the positions that they are between.
+
+    Parameters
+    ----------
+    distance : (...) array, NaN where not known
+    tolerance : in the same unit
+    positions : arrays in that unit, NaN where not known
+    """
+    largest = max(float(np.max(np.abs(one), where=np.isfinite(one), initial=0.0)) for one in positions)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(distance <= tolerance + 4 * np.spacing(largest))
 
 
 def true_matches_by_frames(

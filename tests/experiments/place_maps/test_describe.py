@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from insectnav.checks import InputError
 from insectnav.experiments.place_maps.describe import DescribeParams, describe, looks_like_mask
+from insectnav.experiments.place_maps.thumbnails import thumbnail
 from insectnav.experiments.place_maps.view_cameras import AHEAD, grid, view_camera
 from insectnav.vision.descriptors import DESCRIPTORS
 from insectnav.vision.descriptors.lanczos import resize
@@ -95,6 +96,20 @@ def test_views_for_turning_have_three_degrees_to_a_column():
     params = settled(picture, descriptor="turned-views", camera=view_camera("panorama"))
     assert params.settings() == {"sky": "none", "view_size": "30x120"}
     assert_allclose(describe(picture, params).reshape(30, 120), picture / 255.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("descriptor", ["turned-views", "frequency-strip", "retinotopic"])
+@pytest.mark.parametrize("camera", ["panorama", "fisheye:180"])
+def test_grey_in_floating_point_is_described_as_in_bits(descriptor: str, camera: str):
+    shares = cv2.GaussianBlur(np.random.default_rng(0).random((105, 360), np.float32), (0, 0), 3)
+    deep = np.rint(shares * 65535).astype(np.uint16)
+    params = settled(deep, descriptor=descriptor, camera=view_camera(camera))
+    expected = describe(deep, params)
+    assert_allclose(describe(shares, params), expected, atol=1e-3 * np.ptp(expected))
+    shares[52, 180] = np.nan
+    with pytest.raises(InputError, match="expected finite numbers"):
+        describe(shares, params)
+    assert thumbnail(shares)  # whose warnings, if any, are errors here
 
 
 def test_vectors_pass_unchanged_and_are_checked():

@@ -9,7 +9,7 @@ import zarr
 from numpy.testing import assert_allclose, assert_array_equal
 
 from insectnav.checks import InputError
-from insectnav.experiments.place_maps.frames import Frame, Thinning, open_frames, thinned
+from insectnav.experiments.place_maps.frames import Frame, FrameSource, Thinning, open_frames, thinned
 from insectnav.experiments.place_maps.whereabouts import Whereabouts, placed
 from place_scenes import robot_recording, views, write_pictures
 
@@ -86,6 +86,20 @@ def test_thinning_by_number_distance_and_time():
     assert names(frames_at(), Thinning(every_s=1.0)) == ([], [str(k) for k in range(10)])
 
 
+@pytest.mark.parametrize("start", [0, 1_399_379_412])
+def test_thinning_by_just_the_interval_leaves_nothing_out_whatever_the_rounding(start: int):
+    times = [float(f"{start + k // 10}.{k % 10}") for k in range(400)]
+    assert len(names(frames_at(times, n=400), Thinning(every_s=0.1))[0]) == 400
+    assert len(names(frames_at(times, n=400), Thinning(every_s=0.101))[0]) == 200
+
+
+@pytest.mark.parametrize("start", [0, 5_600_000])  # metres north of the equator
+def test_thinning_by_just_the_distance_leaves_nothing_out_whatever_the_rounding(start: int):
+    places = [(500_000.0, float(f"{start + k // 10}.{k % 10}")) for k in range(400)]
+    assert len(names(frames_at(positions=places, n=400), Thinning(every_m=0.1))[0]) == 400
+    assert len(names(frames_at(positions=places, n=400), Thinning(every_m=0.101))[0]) == 200
+
+
 def test_times_and_positions_of_frames(tmp_path: Path):
     write_pictures(tmp_path / "a", views(5))
     (tmp_path / "track.csv").write_text("0,0,100\n1000,200,100\n4000,200,700\n")
@@ -127,3 +141,19 @@ def test_recordings_of_robots_have_times_and_positions(tmp_path: Path):
     assert_allclose([frame.position[1] for frame in own], [0, 3, 6, 9, 12])
     with pytest.raises(InputError, match="which has its own"):
         placed(open_frames([path]), Whereabouts(times="1"))
+    later = list(placed(open_frames([path]), Whereabouts(time_offset_s=0.5)).source.frames)
+    assert [frame.time for frame in later] == [10.5, 11.5, 12.5, 13.5, 14.5]
+
+
+def test_recordings_on_another_clock_or_out_of_order_are_told_of(tmp_path: Path):
+    path = robot_recording(tmp_path, views(5))
+    track = tmp_path / "track.csv"
+    track.write_text("time_s,x_m,y_m\n1399379412,0,0\n1399379417,4,0\n")
+    given = placed(open_frames([path]), Whereabouts(positions=str(track)))
+    assert np.isnan([frame.position for frame in given.source.frames]).all()
+    (note,) = given.notes
+    assert note.startswith("no frame has a position: the times of the frames run from 10 to 14 s and those of the")
+    frames = frames_at([10.0, np.nan, 12.0, 11.0, 13.0], n=5)
+    given = placed(FrameSource(frames=frames, total=0, kind="bag"), Whereabouts())
+    assert len(list(given.source.frames)) == 5
+    assert [note.partition(" ahead")[0] for note in given.notes] == ["1 frame was taken before the one"]

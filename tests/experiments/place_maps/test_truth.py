@@ -79,6 +79,15 @@ def test_distance_over_the_ground():
         by_position(np.array([0]), queries[:1], places[2:], 5.0, "tracking")
 
 
+def test_matches_just_as_far_as_the_tolerance_are_right_whatever_the_rounding():
+    places = np.array([(0.0, float(f"{k // 10}.{k % 10}")) for k in range(100)])  # every 10 cm
+    matched = np.arange(97) + 3
+    truth = by_position(matched, places[:97], places, 0.3, "tracking")
+    assert truth.is_right.all() and truth.is_in_map.all()
+    assert_allclose(truth.error, 0.3)
+    assert not by_position(matched, places[:97], places, 0.2999, "tracking").is_right.any()
+
+
 def test_numbers_are_those_of_scikit_learn():
     rng = np.random.default_rng(3)
     n = 200

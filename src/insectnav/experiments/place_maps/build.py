@@ -23,7 +23,7 @@ from insectnav.experiments.place_maps.opening import FrameParams, opened
 from insectnav.experiments.place_maps.thumbnails import keep_thumbnails
 from insectnav.experiments.results import check_room
 from insectnav.experiments.store import locked
-from insectnav.matching.place_store import written
+from insectnav.matching.place_store import check_named, written
 from insectnav.matching.places import MapAbout, PlaceMap
 
 UNFINISHED = "unfinished.json"  # in a map while frames are being added to it
@@ -230,6 +230,7 @@ def _there(path: Path, adds: bool) -> PlaceMap | None:
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
         if adds:
             raise InputError(f"{quoted(path, 200)} does not exist, expected a map to add to: without --add it is built")
+        check_named(path)
         check_room(path.absolute(), f"the map {quoted(path, 200)}")
         return None
     if not adds:

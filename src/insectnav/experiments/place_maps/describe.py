@@ -180,7 +180,8 @@ def describe(picture: Picture, params: DescribeParams) -> Features:
 
     Parameters
     ----------
-    picture : (rows, columns) or (rows, columns, 3) array of uint8 or uint16; a vector (feature,) if `is_vectors`
+    picture : (rows, columns) or (rows, columns, 3) array of uint8, uint16 or float32; a vector (feature,) if
+        `is_vectors`
     params : DescribeParams
         As `settled`.
 
@@ -210,12 +211,17 @@ def _on_grid(view: Picture, params: DescribeParams) -> Features:
     if params.descriptor == ROTATED and view.shape != params.view_size:
         expected = " × ".join(map(str, params.view_size or ()))
         raise InputError(f"it has {view.shape[0]} × {view.shape[1]} pixels, expected {expected} as all others")
-    values = grid_resampler(params.camera, view.shape)(view, unseen=0.0) / np.float32(np.iinfo(view.dtype).max)
+    values = grid_resampler(params.camera, view.shape)(view, unseen=0.0) / _full_scale(view)
     return np.asarray(values.reshape(grid().shape or (1, -1)), np.float32)
 
 
 def _as_shares(view: Picture) -> Features:
-    return view.astype(np.float32) / np.float32(np.iinfo(view.dtype).max)
+    return view.astype(np.float32) / _full_scale(view)
+
+
+def _full_scale(view: Picture) -> np.float32:
+    """The largest value of whole numbers; floating-point numbers are taken as they are."""
+    return np.float32(np.iinfo(view.dtype).max if view.dtype.kind == "u" else 1.0)
 
 
 def grey(picture: Picture) -> Picture:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_count, check_range, counted, quoted
+from insectnav.datasets.clocks import rounding_of
 from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS, find_images, named, natural_order
 from insectnav.datasets.video import video_facts
 from insectnav.experiments.picture_sources import count_pictures, given, sources
@@ -179,9 +180,11 @@ def _is_decidable(frame: Frame, thinning: Thinning) -> bool:
 
 def _is_far(frame: Frame, last: Frame, thinning: Thinning) -> bool:
     if thinning.every_s is not None:
-        return frame.time - last.time >= thinning.every_s * (1.0 - 1e-9)
-    apart = frame.position - last.position
-    return float(np.hypot(*apart[:2])) >= (thinning.every_m or 0.0) * (1.0 - 1e-9)
+        least, apart, rounding = thinning.every_s, frame.time - last.time, rounding_of([frame.time, last.time])
+    else:
+        least, places = thinning.every_m or 0.0, np.stack([frame.position[:2], last.position[:2]])
+        apart, rounding = float(np.hypot(*(places[0] - places[1]))), rounding_of(places)
+    return apart >= least - min(rounding, least / 2)
 
 
 def _matching(place: str | os.PathLike[str]) -> list[Path]:

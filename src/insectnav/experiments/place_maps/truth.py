@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_range, quoted
 from insectnav.datasets.track_table import open_table, read_columns
-from insectnav.metrics.place_truth import true_matches_by_frames, true_matches_by_position
+from insectnav.metrics.place_truth import true_matches_by_frames, true_matches_by_position, within
 from insectnav.metrics.retrieval import position_error
 
 Reals = NDArray[np.floating[Any]]
@@ -176,11 +176,12 @@ def by_position(
     nearest = true_matches_by_position(query, places, np.inf).reference
     distance = position_error(query, places, np.where(has_position, nearest, -1.0))
     error = position_error(query, places, matched)
+    error = np.where(within(error, tolerance, query, places), np.minimum(error, tolerance), error)
     return Truth(
         reference=nearest,
         error=error,
         is_known=has_position & ((matched < 0) | has_place[np.maximum(matched, 0)]),
-        is_in_map=has_position & (distance <= tolerance),
+        is_in_map=has_position & within(distance, tolerance, query, places),
         tolerance=float(tolerance),
         unit="m",
         source=source,

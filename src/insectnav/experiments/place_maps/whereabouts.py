@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.checks import InputError, check_range, quoted
+from insectnav.checks import InputError, check_range, counted, quoted
 from insectnav.datasets.frame_times import times_of_frames
 from insectnav.datasets.positions import MAX_GAP_S, Positions, is_gps, positions_of_frames, read_positions
 from insectnav.experiments.place_maps.frames import NOWHERE, Frame, FrameSource, is_bag
@@ -54,11 +55,14 @@ class Whereabouts:
 
 
 class Placed(NamedTuple):
-    """Frames with times and positions, the latitude and longitude of the origin, and what a person must know."""
+    """Frames with times and positions, the latitude and longitude of the origin, and what a person must know.
+
+    Of a recording some notes come with its last frame.
+    """
 
     source: FrameSource
     origin_deg: Origin
-    notes: tuple[str, ...]
+    notes: Sequence[str]
 
 
 def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -> Placed:
@@ -78,8 +82,6 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
     table = position_table(where, origin_deg)
     if source.kind == "bag":
         return _of_recording(source, where, table)
-    if where.time_offset_s and where.times is None and not source.has_times:
-        raise InputError("--time-offset is given without --times, expected to know when the frames were taken")
     if where.time_offset_s and where.times is None and not source.has_times:
         raise InputError("--time-offset is given without --times, expected to know when the frames were taken")
     if where.times is None and table is None and not np.isfinite(source.frame_rate):
@@ -230,19 +232,35 @@ def _of_recording(source: FrameSource, where: Whereabouts, table: Positions | No
     """Frames of a robot's recording, which come with times."""
     if where.times is not None:
         raise InputError("--times is given, expected none with the recording of a robot, which has its own")
-    if table is None:
-        return Placed(source, None, ())
-    if table.time is None:
+    if table is not None and table.time is None:
         raise InputError(f"{quoted(where.positions, 200)} has no times, expected some for the recording of a robot")
-    positions = table
+    times: list[float] = []
+    notes = list(table.notes) if table is not None else []
 
     def frames() -> Iterator[Frame]:
+        is_placed = False
         for frame in source.frames:
-            time = frame.time + where.time_offset_s
-            try:
-                place = positions_of_frames(positions, times=np.array([time]), max_gap_s=where.max_gap_s)[0]
-            except InputError:  # before the first or after the last position: one frame tells nothing of the clocks
-                place = NOWHERE
-            yield replace(frame, time=time, position=place)
+            times.append(frame.time + where.time_offset_s)
+            place = NOWHERE
+            if table is not None:
+                # Before the first or after the last position one frame tells nothing of the clocks.
+                with suppress(InputError):
+                    place = positions_of_frames(table, times=np.array(times[-1:]), max_gap_s=where.max_gap_s)[0]
+            is_placed |= bool(np.isfinite(place[:2]).all())
+            yield replace(frame, time=times[-1], position=place)
+        notes.extend(_remarks_on_recording(np.array(times), table, is_placed, where))
 
-    return Placed(replace(source, frames=frames()), table.origin_deg, table.notes)
+    return Placed(replace(source, frames=frames()), None if table is None else table.origin_deg, notes)
+
+
+def _remarks_on_recording(times: Reals, table: Positions | None, is_placed: bool, where: Whereabouts) -> Iterator[str]:
+    """What is to be said of the frames of a recording when all have come."""
+    n_back = int((np.diff(times[np.isfinite(times)]) < 0).sum())
+    if n_back:
+        some = counted(n_back, "frame was taken before the one", "frames were taken before those")
+        yield f"{some} ahead in the recording: frames come in the order in which they arrived"
+    if table is not None and not is_placed:
+        try:
+            positions_of_frames(table, times=times, max_gap_s=where.max_gap_s)
+        except InputError as error:
+            yield f"no frame has a position: {error}"
