@@ -52,12 +52,11 @@ def difference_matrix(
     Notes
     -----
     Each difference is summed feature by feature, in double precision up to 512 features, above in single with the sums
-    of 512 added up in double: equal vectors differ by 0, near ones keep their digits, and a difference does not depend
-    on what else is compared. "cosine" subtracts a·b from 1, good to about 2e-7 in single precision, and to 4e-6 where
-    no feature is negative; of nearer vectors, below 2⁻⁶ in single and 2⁻²⁰ in double, it sums ``|a − b|² / 2`` of unit
-    vectors, which is the same and keeps its digits. "euclidean" takes the mean of the references off first where it
-    sums in single precision, and divides by a power of 2 where squares would have no room in it, which changes no
-    digit.
+    of 512 features, of products 128, added up in double: equal vectors differ by 0, near ones keep their digits, and a
+    difference does not depend on what else is compared. "cosine" subtracts a·b from 1, good to about 5e-7 in single
+    precision; of nearer vectors, below 2⁻⁶ in single and 2⁻²⁰ in double, it sums ``|a − b|² / 2`` of unit vectors,
+    which is the same and keeps its digits. "euclidean" takes the mean of the references off first where it sums in
+    single precision, and divides by a power of 2 where squares would have no room in it, which changes no digit.
     """
     return prepare_references(references, metric).differences(queries, workers=workers)
 

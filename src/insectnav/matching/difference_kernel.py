@@ -13,6 +13,7 @@ from insectnav.lanes.vector import address, fill, fma, load, maximum, store
 
 Array = NDArray[Any]
 PIECE = 512  # features that are summed in the precision of the vectors
+PRODUCTS = 128  # the same of products, which grow while differences of like vectors stay small
 TILE = 32  # references that stay in the cache while all queries of a block pass by
 
 
@@ -168,8 +169,8 @@ def subtract_cosines(queries: Array, references: Array, near: float, out: Array)
         for q in range(0, len(queries), 4):
             at = q * n, min(q + 1, end) * n, min(q + 2, end) * n, min(q + 3, end) * n
             sums[:] = 0.0
-            for start in range(0, n, PIECE):
-                add_products(reference, rows, query, at, start, min(start + PIECE, n), sums, piece)
+            for start in range(0, n, PRODUCTS):
+                add_products(reference, rows, query, at, start, min(start + PRODUCTS, n), sums, piece)
             for half in range(min(2, len(references) - block)):
                 tile = out[q : q + 4, (block + half) * LANES : (block + half + 1) * LANES]
                 if not subtract(sums[half], near, tile):
