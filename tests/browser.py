@@ -1,5 +1,6 @@
 """A real browser without a window, for the tests of pages."""
 
+import json
 import os
 import shutil
 from collections.abc import Iterator
@@ -32,3 +33,10 @@ def opened_browser(folder: Path) -> Iterator[Any]:
     with Chrome(options=options, service=Service(executable_path=driver)) as chrome:
         chrome.set_page_load_timeout(60)
         yield chrome
+
+
+def addresses_asked(chrome: Any) -> set[str]:
+    """What pages asked for since the last call: not what they hold themselves, nor what the browser asks of itself."""
+    events = [json.loads(entry["message"])["message"] for entry in chrome.get_log("performance")]
+    asked = {event["params"]["request"]["url"] for event in events if event["method"] == "Network.requestWillBeSent"}
+    return {address for address in asked if not address.startswith(("data:", "about:", "chrome:"))}

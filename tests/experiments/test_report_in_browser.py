@@ -1,7 +1,6 @@
 """The report in a real browser: it fits a desk and a phone, asks nothing of anyone and runs nothing."""
 
 import base64
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,7 +8,7 @@ from urllib.parse import unquote
 
 import pytest
 
-from browser import opened_browser
+from browser import addresses_asked, opened_browser
 from insectnav import experiments
 from insectnav.experiments import load
 from insectnav.experiments.report import write_report
@@ -65,10 +64,7 @@ def test_page_opens_without_complaint(opened: Any):
 
 
 def test_nothing_is_asked_of_anyone(opened: Any, page: Path):
-    events = [json.loads(entry["message"])["message"] for entry in opened.get_log("performance")]
-    requests = {event["params"]["request"]["url"] for event in events if event["method"] == "Network.requestWillBeSent"}
-    assert page.as_uri() in requests
-    assert not {url for url in requests if not url.startswith("data:")} - {page.as_uri()}
+    assert addresses_asked(opened) == {page.as_uri()}
 
 
 def test_every_figure_is_seen(opened: Any):

@@ -1,13 +1,12 @@
 """The page in a real browser: it fits a desk and a phone, by day and by night, and asks nothing of anyone."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from browser import opened_browser
+from browser import addresses_asked, opened_browser
 from insectnav.experiments.place_maps.build import BuildParams, build
 from insectnav.experiments.place_maps.locate import LocateParams, TruthParams, locate
 from insectnav.experiments.place_maps.report import page_text
@@ -66,9 +65,7 @@ def test_nothing_is_asked_of_anyone(browser: Any, page: Path):
     chrome = opened(browser, page, DESK)
     assert chrome.get_log("browser") == []
     assert chrome.execute_script("return document.scripts.length") == 0
-    events = [json.loads(entry["message"])["message"] for entry in chrome.get_log("performance")]
-    requests = {event["params"]["request"]["url"] for event in events if event["method"] == "Network.requestWillBeSent"}
-    assert {url for url in requests if not url.startswith("data:")} == {page.as_uri()}
+    assert addresses_asked(chrome) == {page.as_uri()}
 
 
 def test_letters_stand_out_by_day_and_by_night(browser: Any, page: Path):
