@@ -12,22 +12,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from command_line import NEEDS_POSIX, assert_refused, command, everything, in_process, strict, table, until
+from command_line import NEEDS_POSIX, assert_refused, command, everything, strict, table, until
 from html_outline import Outline
 from insectnav.experiments.place_maps.thumbnails import find_thumbnails
 from insectnav.matching.places import PlaceMap
-from place_scenes import N_FRAMES, panoramas, sky_disk, skylines, spoil, two_seasons, views, write_pictures
-
-
-@pytest.fixture
-def walk(tmp_path: Path) -> Path:
-    """Two folders of one route in two seasons."""
-    return two_seasons(tmp_path)
-
-
-@pytest.fixture
-def run(walk: Path, monkeypatch, capsys):
-    return in_process(walk, monkeypatch, capsys)
+from place_scenes import N_FRAMES, panoramas, sky_disk, skylines, spoil, views, write_pictures
 
 
 def test_two_folders_give_a_map_matches_and_a_page(walk: Path):

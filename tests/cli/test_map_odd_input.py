@@ -7,21 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
-from command_line import assert_refused, in_process, strict, table
-from place_scenes import N_FRAMES, robot_recording, two_seasons, views, write_pictures
+from command_line import assert_refused, strict, table
+from place_scenes import N_FRAMES, robot_recording, views, write_pictures
 
 MATCHES = "query,name,reference,reference_name,route,score,has_sequence\n"
-
-
-@pytest.fixture
-def walk(tmp_path: Path) -> Path:
-    """Two folders of one route in two seasons."""
-    return two_seasons(tmp_path)
-
-
-@pytest.fixture
-def run(walk: Path, monkeypatch, capsys):
-    return in_process(walk, monkeypatch, capsys)
 
 
 def test_a_table_that_went_through_a_spreadsheet_is_read(run, walk: Path):
