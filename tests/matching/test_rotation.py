@@ -315,6 +315,7 @@ def test_differences_to_every_reference_are_those_of_the_best_plain_score():
     views = np.stack([query(3, truth), query(0, np.eye(3))])
     match, differences = INDEX.match_and_compare(views, SEEN)
     assert_same(match, INDEX.match(views, SEEN))
+    assert_array_equal(differences, INDEX.compare(views, SEEN))
     assert differences.shape == (2, 6)
     assert_array_equal(np.argmin(differences, axis=1), [3, 0])
     assert differences[1, 0] < 1e-6

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError, check_count, check_range
 from insectnav.matching.difference import checked_vectors
-from insectnav.matching.seqslam import Matches
+from insectnav.matching.seqslam import Matches, no_matches
 
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
@@ -152,7 +152,7 @@ def locate(index: ConstellationIndex, queries: ArrayLike) -> Matches:
     values = _scaled(vectors.astype(np.float64), is_missing, index.mean, index.deviation)
     hits = _hits(index, _constellations(values, params))
     n_queries, half = len(values), params.sequence_length // 2
-    matches = Matches(np.full(n_queries, -1), np.full(n_queries, np.nan), np.full(n_queries, np.nan))
+    matches = no_matches(n_queries)
     starts = np.searchsorted(hits.frame, np.arange(n_queries) - half)
     ends = np.searchsorted(hits.frame, np.arange(n_queries) + half, side="right")
     for query in range(n_queries):

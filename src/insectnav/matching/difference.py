@@ -106,13 +106,13 @@ class References:
 
         def compare(first: int, last: int) -> None:
             _compare(self, vectors[first:last], out[first:last])
+            if not np.isfinite(out[first:last]).all():
+                raise InputError(
+                    f"a difference by {self.metric} is beyond 3e38, or 1e18 times what references come to, expected "
+                    "features of moderate size: of another unit, or damaged?"
+                )
 
         run_blocks(compare, len(vectors), QUERIES_PER_BLOCK, workers)
-        if not np.isfinite(out).all():
-            raise InputError(
-                f"a difference by {self.metric} is beyond 3e38, or 1e18 times what references come to, expected "
-                "features of moderate size: of another unit, or damaged?"
-            )
         if self.metric == "cosine":
             out[~vectors.any(axis=1)] = 1.0
             out[:, ~self.has_length] = 1.0

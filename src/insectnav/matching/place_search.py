@@ -167,7 +167,7 @@ def checked_queries(landscape: Landscape, descriptors: ArrayLike) -> NDArray[Any
 
 def check_routes(routes: NDArray[np.int64], params: SeqSlamParams) -> None:
     """Refuse places (place,) of which no route holds even the shortest line."""
-    longest, shortest = int(np.unique(routes, return_counts=True)[1].max()), int(params.offsets[:, -1].min()) + 1
+    longest, shortest = int(np.bincount(routes).max()), int(params.offsets[:, -1].min()) + 1
     if longest < shortest:
         raise InputError(
             f"the longest route of the map has {longest} places, expected at least {shortest} for sequences of "

@@ -6,7 +6,7 @@ sees half the sphere may tilt without the rest of it being taken for ground.
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -70,6 +70,16 @@ class RotationParams:
             check_range(name, getattr(self, name), 1e-3, 0.6, "rad", "degrees?")
         check_count("n_refined", self.n_refined)
         check_count("n_finished", self.n_finished)
+
+
+class _Query(NamedTuple):
+    """A view that is searched for: blurred twice, and what it can share with each reference."""
+
+    number: int
+    coarse: Singles  # (node,)
+    fine: Singles  # (node,)
+    points: Points
+    smaller: Reals  # (reference,) solid angle of the one of both that saw less [sr]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -149,11 +159,7 @@ class RotationIndex:
         return self.match_and_compare(views, seen)[0]
 
     def match_and_compare(self, views: ArrayLike, seen: ArrayLike) -> tuple[RotationMatches, Reals]:
-        """Matches as of `match`, and the difference of each query and each reference, (..., reference) float32.
-
-        A difference is one less the score of the coarse search at the rotation that fits best. It is not refined: it is
-        for `seqslam`, which needs all pairs, as (reference, query). From 0, the same, to 1, or to 2 for the score
-        "correlation"; the most also stands for too little overlap.
+        """Matches as of `match`, and differences as of `compare`, by one search.
 
         Parameters
         ----------
@@ -163,21 +169,46 @@ class RotationIndex:
         queries, masks, lead = _as_views(views, seen, self.grid)
         differences = np.empty((len(queries), self.n_references), np.float32)
         found = [
-            self._match_one(*_prepared(query, mask, self.params.score, f"query {k}"), k, differences[k])
+            self._match_one(self._query(k, query, mask), differences[k])
             for k, (query, mask) in enumerate(zip(queries, masks, strict=True))
         ]
         columns = {name: np.array([one[name] for one in found]) for name in found[0]}
         matches = RotationMatches(**{name: c.reshape((*lead, *c.shape[1:])) for name, c in columns.items()})
         return matches, differences.reshape(*lead, self.n_references)
 
-    def _match_one(self, values: Singles, mask: Bools, number: int, differences: Singles) -> dict[str, Any]:
-        """Fields of the match of one view, (1, direction); fills its differences (reference,)."""
-        fine = self.fine(values, mask)[0]
+    def compare(self, views: ArrayLike, seen: ArrayLike) -> Reals:
+        """Difference of each query and each reference, (..., reference) float32.
+
+        A difference is one less the score of the coarse search at the rotation that fits best. It is not refined: it is
+        for `seqslam`, which needs all pairs, as (reference, query). From 0, the same, to 1, or to 2 for the score
+        "correlation"; the most also stands for too little overlap.
+
+        Parameters
+        ----------
+        views, seen
+            As of `match`.
+
+        Raises
+        ------
+        InputError
+            As of `match`.
+        """
+        queries, masks, lead = _as_views(views, seen, self.grid)
+        differences = np.empty((len(queries), self.n_references), np.float32)
+        for k, (query, mask) in enumerate(zip(queries, masks, strict=True)):
+            self._starts(self._query(k, query, mask), differences[k])
+        return differences.reshape(*lead, self.n_references)
+
+    def _query(self, number: int, view: NDArray[Any], mask: Bools) -> _Query:
+        """One view (direction,) as it is searched for."""
+        prepared = _prepared(view, mask, self.params.score, f"query {number}")
+        fine = self.fine(*prepared)[0]
         points = seen_points(fine, self.fine.n_cells, N_POINTS)
-        smaller = np.minimum(points.area, self.areas)
-        least = self.params.least_overlap * smaller
-        starts = self._starts(self.coarse(values, mask)[0], least, number, differences)
-        best = self._finished(starts, fine, points, least)
+        return _Query(number, self.coarse(*prepared)[0], fine, points, np.minimum(points.area, self.areas))
+
+    def _match_one(self, query: _Query, differences: Singles) -> dict[str, Any]:
+        """Fields of the match of one view; fills its differences (reference,)."""
+        best = self._finished(query, self._starts(query, differences))
         first, second = best[0], best[1] if len(best) > 1 else None
         return {
             "reference": first.reference,
@@ -185,38 +216,39 @@ class RotationIndex:
             "score": first.score,
             "runner_up": second.reference if second else -1,
             "ratio": _ratio(first.score, second.score) if second else np.nan,
-            "overlap": first.area / smaller[first.reference],
+            "overlap": first.area / query.smaller[first.reference],
         }
 
-    def _starts(self, coarse: Singles, least: Reals, number: int, differences: Singles) -> list[Candidate]:
+    def _starts(self, query: _Query, differences: Singles) -> list[Candidate]:
         """The best references of the coarse search, each at its best rotation; fills the differences (reference,)."""
         from insectnav.matching.rotation_search import best_rotations, rotation_of
 
-        params = self.params
-        scores, places = best_rotations(coarse, self.coarse.n_cells, self.tilts, self.rings, least, params.score)
+        params, least = self.params, self.params.least_overlap * query.smaller
+        scores, places = best_rotations(query.coarse, self.coarse.n_cells, self.tilts, self.rings, least, params.score)
         differences[:] = np.clip(1.0 - scores, 0.0, 1.0 if params.score == "difference" else 2.0)
         order = np.argsort(-scores, kind="stable")
         order = order[np.isfinite(scores[order])][: params.n_refined]
         if not order.size:
             raise InputError(
-                f"query {number} shares less than {params.least_overlap:g} of what was seen with every reference at "
-                f"all tilts up to {np.rad2deg(params.max_tilt):.3g}°: another mounting, or a larger max_tilt?"
+                f"query {query.number} shares less than {params.least_overlap:g} of what was seen with every reference "
+                f"at all tilts up to {np.rad2deg(params.max_tilt):.3g}°: another mounting, or a larger max_tilt?"
             )
         return [
             Candidate(int(k), rotation_of(int(places[k]), self.tilts, self.rings.n_turns), float(scores[k]), 0.0)
             for k in order
         ]
 
-    def _finished(self, starts: list[Candidate], fine: Singles, points: Points, least: Reals) -> list[Candidate]:
+    def _finished(self, query: _Query, starts: list[Candidate]) -> list[Candidate]:
         """The best candidates, refined: all of them at few points, then the best of these at all."""
         from insectnav.matching.rotation_search import KINDS
 
         params, kind, n_cells = self.params, KINDS[self.params.score], self.fine.n_cells
+        least = params.least_overlap * query.smaller
         first = max(params.tilt_spacing / 2.0, params.last_step)
         middle = max(ROUGH_SHARE * first, params.last_step)
-        rough = seen_points(fine, n_cells, N_ROUGH_POINTS)
+        rough = seen_points(query.fine, n_cells, N_ROUGH_POINTS)
         some = refined(starts, rough, self.maps, n_cells, kind, least, (first, middle))[: params.n_finished]
-        return refined(some, points, self.maps, n_cells, kind, least, (middle, params.last_step))
+        return refined(some, query.points, self.maps, n_cells, kind, least, (middle, params.last_step))
 
 
 def build_rotation_index(

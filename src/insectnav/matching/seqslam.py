@@ -101,6 +101,11 @@ class Matches(NamedTuple):
     speed: Reals  # [reference frame per query frame] of the line, NaN where there is none
 
 
+def no_matches(n_queries: int) -> Matches:
+    """Matches of queries none of which has one yet, to be filled in."""
+    return Matches(np.full(n_queries, -1), np.full(n_queries, np.nan), np.full(n_queries, np.nan))
+
+
 def enhance_contrast(
     difference: ArrayLike, params: SeqSlamParams | None = None, *, workers: int | None = None
 ) -> Reals:
@@ -197,7 +202,7 @@ def matches_from_lines(found: tuple[Integers, Reals, Integers], params: SeqSlamP
     offsets = params.offsets[np.maximum(speed, 0)]
     middle = offsets[:, half] if params.place == "line" else half
     inner = slice(half, n_queries - half)
-    matches = Matches(np.full(n_queries, -1), np.full(n_queries, np.nan), np.full(n_queries, np.nan))
+    matches = no_matches(n_queries)
     matches.reference[inner] = np.where(is_match, start + middle, -1)
     matches.score[inner] = score
     matches.speed[inner] = np.where(is_match, offsets[:, -1] / max(params.n_steps, 1), np.nan)

@@ -17,7 +17,7 @@ from insectnav.matching.place_search import check_routes
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.rotation import build_rotation_index
 from insectnav.matching.rotation_matches import RotationMatches
-from insectnav.matching.seqslam import Matches, SeqSlamParams, enhance_contrast, matches_from_lines
+from insectnav.matching.seqslam import Matches, SeqSlamParams, enhance_contrast, matches_from_lines, no_matches
 
 Reals = NDArray[np.floating[Any]]
 Features = NDArray[np.float32]
@@ -122,10 +122,10 @@ def _sequences(difference: Reals, routes: NDArray[np.int64], params: SeqSlamPara
     sums, speeds = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
     n_seen = np.convolve(~np.isnan(difference).all(axis=0), np.ones(params.n_steps + 1, np.int64), "valid")
     start, score = np.full(sums.shape[1], -1), np.full(sums.shape[1], np.nan)
-    number, half = np.arange(len(routes)), params.unique_window // 2
+    half = params.unique_window // 2
     for sequence, column in enumerate(sums.T):
         best, finite = int(column.argmin()), column[np.isfinite(column)]
-        second = column[(np.abs(number - best) > half) | (routes != routes[best])].min(initial=np.inf)
+        second = _least_elsewhere(column, best, routes, half)
         is_told = finite.size and finite.max() > column[best] and 0.0 < second < np.inf
         if is_told and 2 * n_seen[sequence] >= params.n_steps + 1:
             start[sequence], score[sequence] = best, column[best] / second
@@ -166,7 +166,7 @@ def _most_alike(place_map: PlaceMap, features: Features, params: SeqSlamParams, 
 def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> Matches:
     """The most alike place of each single view; its score is its difference over the least of other places."""
     n_queries = difference.shape[1]
-    matches = _no_matches(n_queries)
+    matches = no_matches(n_queries)
     for query in range(n_queries):
         column = np.where(np.isnan(difference[:, query]), np.inf, difference[:, query])
         best, finite = int(column.argmin()), column[np.isfinite(column)]
@@ -176,10 +176,15 @@ def _nearest(difference: Reals, routes: NDArray[np.int64], half_window: int) -> 
     return matches
 
 
+def _least_elsewhere(column: Reals, best: int, routes: NDArray[np.int64], half_window: int) -> float:
+    """The least of a column (place,) outside the window about its best place; inf if there is none."""
+    is_other = (np.abs(np.arange(len(column)) - best) > half_window) | (routes != routes[best])
+    return float(column[is_other].min(initial=np.inf))
+
+
 def _score(column: Reals, best: int, routes: NDArray[np.int64], half_window: int) -> float:
     """Difference of a query from its match over the least from places outside the window, at most 1; inf: missing."""
-    is_other = (np.abs(np.arange(len(column)) - best) > half_window) | (routes != routes[best])
-    second = float(column[is_other].min(initial=np.inf))
+    second = _least_elsewhere(column, best, routes, half_window)
     return min(float(column[best]) / second, 1.0) if 0.0 < second < np.inf else 1.0
 
 
@@ -197,17 +202,18 @@ def _rotated(
     skies, n_queries = np.clip(features[queries], 0.0, 1.0), len(features)
     difference, angles = np.full((len(known), n_queries), np.nan, np.float32), np.full((n_queries, 3), np.nan)
     if not queries.size:
-        return Compared(_no_matches(n_queries), angles, difference)
-    single, compared = index.match_and_compare(skies, seen)
-    difference[np.ix_(usable, queries)] = compared.T
+        return Compared(no_matches(n_queries), angles, difference)
     if params.n_steps == 0:
-        matches, half = _no_matches(n_queries), params.unique_window // 2
+        single, compared = index.match_and_compare(skies, seen)
+        difference[np.ix_(usable, queries)] = compared.T
+        matches, half = no_matches(n_queries), params.unique_window // 2
         matches.reference[queries] = usable[single.reference]
         columns = np.where(np.isnan(difference), np.inf, difference).T
         for query in queries.tolist():
             matches.score[query] = _score(columns[query], int(matches.reference[query]), routes, half)
         angles[queries] = _angles_deg(single)
         return Compared(matches, angles, difference)
+    difference[np.ix_(usable, queries)] = index.compare(skies, seen).T
     matches = _sequences(difference, routes, params, workers)
     number = np.full(len(known), -1)
     number[usable] = np.arange(len(usable))
@@ -216,10 +222,6 @@ def _rotated(
         if place >= 0 and number[place] >= 0:
             angles[query] = _angles_deg(index.part([number[place]]).match(sky, seen))
     return Compared(matches, angles, difference)
-
-
-def _no_matches(n_queries: int) -> Matches:
-    return Matches(np.full(n_queries, -1), np.full(n_queries, np.nan), np.full(n_queries, np.nan))
 
 
 def _angles_deg(found: RotationMatches) -> Reals:
