@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import Any, Protocol
 
 from insectnav.checks import InputError
 from insectnav.workers import cluster_client, count_workers
-
-if TYPE_CHECKING:
-    from concurrent.futures import ProcessPoolExecutor
 
 
 class Executor(Protocol):
@@ -91,32 +87,14 @@ def executor(workers: int | None = None, cluster: str | None = None) -> Iterator
 
 
 @contextmanager
-def _processes(n_workers: int) -> Iterator[ProcessPoolExecutor]:
-    import multiprocessing
-    from concurrent.futures import ProcessPoolExecutor
+def _processes(n_workers: int) -> Iterator[Executor]:
+    from insectnav.experiments.processes import Processes
 
-    # Not forked: threads of compiled code do not survive that.
-    pool = ProcessPoolExecutor(n_workers, multiprocessing.get_context("spawn"), initializer=_follow_parent)
+    pool = Processes(n_workers)
     try:
         yield pool
     except BaseException:
-        for process in list((pool._processes or {}).values()):  # cells may take long: nobody waits for them
-            process.terminate()
+        pool.end()  # cells may take long: nobody waits for them
         raise
     finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _follow_parent() -> None:
-    """End with the parent however it ends, and leave Ctrl-C to it."""
-    import multiprocessing
-    import signal
-    import threading
-
-    def end() -> None:
-        parent.join()
-        os._exit(1)
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = cast(Any, multiprocessing.parent_process())
-    threading.Thread(target=end, daemon=True).start()
+        pool.close()
