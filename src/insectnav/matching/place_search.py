@@ -95,6 +95,38 @@ def exact_matches(landscape: Landscape, queries: NDArray[Any], params: SeqSlamPa
     return matches_of_lines(joined_blocks(blocks), known_frames(landscape, queries), params)
 
 
+def matches_of_differences(
+    difference: Reals, routes: NDArray[np.int64], params: SeqSlamParams, workers: int | None = None
+) -> Matches:
+    """Matches of queries whose differences from all places are known, as `PlaceMap.locate` finds them on its routes.
+
+    Parameters
+    ----------
+    difference : (place, query) array
+        However it was made; NaN for missing frames.
+    routes : (place,) number of the traverse of each place
+    params : SeqSlamParams
+    workers : threads; they change nothing in the results
+
+    Raises
+    ------
+    InputError
+        If there are fewer queries than a sequence, or places on every route.
+    """
+    params.check_length(difference.shape[1], "query", "queries")
+    check_routes(routes, params)
+    rows, pieces = np.ascontiguousarray(difference.T), map_pieces(routes, params)
+    found: list[PieceLines] = [None] * len(pieces)  # type: ignore[list-item]
+
+    def run(task: int, _: int) -> None:
+        piece = pieces[task]
+        contrast = piece_contrast(piece, np.ascontiguousarray(rows[:, piece.low : piece.high]), params)
+        found[task] = search_piece(piece, contrast, params)
+
+    run_blocks(run, len(pieces), 1, workers)
+    return matches_of_lines(join_pieces(found, params), ~np.isnan(rows).all(axis=1), params)
+
+
 def lines_of_pieces(
     landscape: Landscape, pieces: Sequence[Piece], queries: NDArray[Any], params: SeqSlamParams, workers: int | None
 ) -> list[PieceLines]:

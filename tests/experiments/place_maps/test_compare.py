@@ -69,6 +69,22 @@ def test_on_one_route_it_is_seqslam(tmp_path: Path, missing: tuple[int, ...]):
         assert_array_equal(found.speed, plain.speed)
 
 
+@pytest.mark.parametrize("n_short", [9, 10])
+def test_a_route_that_only_slow_lines_fit_on_is_found(tmp_path: Path, n_short: int):
+    """Nine places hold a line of ten steps at 0.8 places per query, as in maps that are searched otherwise."""
+    long, short = panoramas(30, seed=4), panoramas(n_short, seed=3)
+    slow = short[np.floor(0.8 * np.arange(11)).astype(int)]
+    place_map, queries = made(tmp_path / "m", long, short), features(np.roll(slow, -10, axis=2))
+    found = compare(place_map, queries, PARAMS, SeqSlamParams(), "auto", None)
+    assert found.matches.reference[5] == 30 + 4
+    assert found.matches.speed[5] == pytest.approx(0.8)
+    assert found.angles_deg is not None
+    assert found.angles_deg[5, 0] == pytest.approx(30.0)
+    one_by_one = SeqSlamParams(unique_window=0)  # else the other place of ten is no rival to tell from
+    alone = compare(made(tmp_path / "alone", short), queries, PARAMS, one_by_one, "auto", None).matches
+    assert alone.reference[5] == (4 if n_short == 10 else -1)  # of nine places there is one line alone
+
+
 def test_missing_views_have_no_match_one_by_one(tmp_path: Path):
     views = panoramas(12)
     queries = features(views)

@@ -13,11 +13,11 @@ from insectnav.experiments.place_maps.describe import COMPARED, ROTATED, Describ
 from insectnav.experiments.place_maps.view_cameras import grid, grid_resampler
 from insectnav.matching.compass import TurnMatrix, turn_matrix, turns_of_matches
 from insectnav.matching.difference import prepare_references
-from insectnav.matching.place_search import check_routes
+from insectnav.matching.place_search import matches_of_differences
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.rotation import build_rotation_index
 from insectnav.matching.rotation_matches import RotationMatches
-from insectnav.matching.seqslam import Matches, SeqSlamParams, enhance_contrast, matches_from_lines, no_matches
+from insectnav.matching.seqslam import Matches, SeqSlamParams, no_matches
 
 Reals = NDArray[np.floating[Any]]
 Features = NDArray[np.float32]
@@ -105,7 +105,7 @@ def _turned(
     if params.n_steps == 0:
         matches = _nearest(difference, routes, params.unique_window // 2)
     else:
-        matches = _sequences(difference, routes, params, workers)
+        matches = matches_of_differences(difference, routes, params, workers)
     size = describe.view_size or (1, known.shape[1])
     compass = turns_of_matches(
         known.reshape(-1, *size), features.reshape(-1, *size), matches.reference, normalise=not describe.is_of_sky
@@ -113,42 +113,6 @@ def _turned(
     angles = np.full((len(features), 3), np.nan)
     angles[:, 0] = np.rad2deg(wrap(-compass.turn))  # the heading is that of the match less the turn
     return Compared(matches, angles, difference)
-
-
-def _sequences(difference: Reals, routes: NDArray[np.int64], params: SeqSlamParams, workers: int | None) -> Matches:
-    """Matches of sequences as `seqslam` gives them, with lines that stay on one route of several."""
-    check_routes(routes, params)
-    parts = [_lines(difference[routes == route], params, workers) for route in np.unique(routes)]
-    sums, speeds = (np.concatenate([part[k] for part in parts]) for k in (0, 1))
-    n_seen = np.convolve(~np.isnan(difference).all(axis=0), np.ones(params.n_steps + 1, np.int64), "valid")
-    start, score = np.full(sums.shape[1], -1), np.full(sums.shape[1], np.nan)
-    half = params.unique_window // 2
-    for sequence, column in enumerate(sums.T):
-        best, finite = int(column.argmin()), column[np.isfinite(column)]
-        second = _least_elsewhere(column, best, routes, half)
-        is_told = finite.size and finite.max() > column[best] and 0.0 < second < np.inf
-        if is_told and 2 * n_seen[sequence] >= params.n_steps + 1:
-            start[sequence], score[sequence] = best, column[best] / second
-    speed = np.where(start >= 0, speeds[start, np.arange(len(start))], -1)
-    return matches_from_lines((start, score, speed), params, difference.shape[1])
-
-
-def _lines(difference: Reals, params: SeqSlamParams, workers: int | None) -> tuple[Reals, NDArray[np.int64]]:
-    """Least sum of contrasts along a line from each place at each sequence, and its speed; inf where there is none."""
-    offsets, n_sequences = params.offsets, difference.shape[1] - params.n_steps
-    sums = np.full((len(difference), n_sequences), np.inf)
-    speeds = np.zeros(sums.shape, np.int64)
-    if len(difference) <= params.n_steps:
-        return sums, speeds
-    contrast = enhance_contrast(difference, params, workers=workers)
-    for speed, steps in enumerate(offsets):
-        n_starts = len(difference) - int(steps[-1])
-        if n_starts < 1:
-            continue
-        line = sum(contrast[step : step + n_starts, k : k + n_sequences] for k, step in enumerate(steps.tolist()))
-        is_better = line < sums[:n_starts]
-        sums[:n_starts][is_better], speeds[:n_starts][is_better] = np.asarray(line)[is_better], speed
-    return sums, speeds
 
 
 def _most_alike(place_map: PlaceMap, features: Features, params: SeqSlamParams, workers: int | None) -> Matches:
@@ -214,7 +178,7 @@ def _rotated(
         angles[queries] = _angles_deg(single)
         return Compared(matches, angles, difference)
     difference[np.ix_(usable, queries)] = index.compare(skies, seen).T
-    matches = _sequences(difference, routes, params, workers)
+    matches = matches_of_differences(difference, routes, params, workers)
     number = np.full(len(known), -1)
     number[usable] = np.arange(len(usable))
     for sky, query in zip(skies, queries.tolist(), strict=True):
