@@ -62,6 +62,7 @@ def test_it_is_told_in_words(insectnav: Callable):
         (("green.tif", "uv.tif", "--transform", "rigit"), "did you mean rigid?"),
         (("green.tif", "uv.tif", "--moving-band", "uv"), "band of the moving picture 'uv' is unknown"),
         (("green.tif", "uv.tif", "uv.tif"), "two moving pictures are called 'uv'"),
+        (("green.tif", "uv.tif", "--out", ""), "--out is an empty name"),
         (("green.tif",), "Missing argument"),
     ],
 )

@@ -153,6 +153,8 @@ BAD = {
     "run needle --workers 2 --cluster tcp://127.0.0.1:1": "both workers and cluster are given",
     "run needle --workers 1 --out file": "cannot be written",
     "run needle --workers 1 --out " + "a" * 300: "cannot be written",
+    "run needle --out=": "--out is an empty name, expected a folder or '.': a variable that is not set?",
+    "report --out=": "--out is an empty name, expected a folder or '.': a variable that is not set?",
     "report --out file": "--out 'file' is no folder",
     "report --out nowhere": "--out 'nowhere' is no folder, expected one that insectnav run wrote to",
     "report --out empty": "--out 'empty' holds no results, expected some: insectnav run NAME makes them",

@@ -56,6 +56,7 @@ def test_mask_has_a_place_of_its_own_and_is_told_in_words(insectnav: Callable, t
         (("street.png", "painted.png", "--strokes", "painted.png"), "expected one image, but 2 were named"),
         (("street.png", "--strokes", "street.png"), "'street.png' is not an 8-bit grey image"),
         (("street.png", "--strokes", "painted.png", "--out", "mask.jpg"), "is no name of a PNG"),
+        (("street.png", "--strokes", "painted.png", "--out", ""), "--out is an empty name"),
         ((), "Missing argument"),
     ],
 )

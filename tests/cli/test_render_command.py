@@ -317,6 +317,7 @@ BAD = {
     "render ant-world --pictures uv,ir": "picture 'ir' is unknown",
     "render ant-world --exposure much": "expected traverse, frame or a number",
     "render ant-world --workers 0": "workers is 0",
+    "render ant-world --out=": "--out is an empty name",
     "render ant-world --out far.csv": "is a file",
     "render ant-world --sun 30,140": "azimuth comes first",
     "render ant-world --weather": "requires an argument",

@@ -21,9 +21,10 @@ def align(
 ) -> None:
     """Lay images of one scene through different filters over each other, by mutual information."""
     from insectnav.experiments.filter_series import align_files
-    from insectnav.experiments.results import to_json
+    from insectnav.experiments.results import check_not_empty, to_json
     from insectnav.vision.registration import RegistrationParams
 
+    check_not_empty(out)
     params = RegistrationParams(transform=transform, largest_shift=largest_shift, seed=seed)
     rows = align_files(Path(fixed), [Path(path) for path in moving], Path(out), params, fixed_band, moving_band)
     if as_json:

@@ -71,10 +71,11 @@ def run(
     from insectnav.experiments import load
     from insectnav.experiments.experiment import SCALES
     from insectnav.experiments.report import write_report
-    from insectnav.experiments.results import to_json
+    from insectnav.experiments.results import check_not_empty, to_json
     from insectnav.sweep import executor, run_experiment
 
     gc.enable()  # which `program` turns off; a run may be long
+    check_not_empty(out)
     chosen = _chosen(names or [], every)
     check_choice("scale", scale, SCALES)
     experiments = {name: load(name) for name in chosen}
@@ -148,9 +149,10 @@ def report(
 ) -> None:
     """Put all results beside the published numbers, on one HTML page."""
     from insectnav.experiments.report import write_report
-    from insectnav.experiments.results import to_json
+    from insectnav.experiments.results import check_not_empty, to_json
     from insectnav.experiments.verdict_words import counts_text, verdict_counts
 
+    check_not_empty(out)
     written = write_report(Path(out))
     names = [entry.name for entry, _ in written.with_results]
     if as_json:

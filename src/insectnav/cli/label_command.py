@@ -30,8 +30,11 @@ def label(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
 ) -> None:
     """Paint sky and ground on pictures and save the masks that the strokes grow to."""
+    from insectnav.experiments.results import check_not_empty
     from insectnav.labelling.pictures import MASK, list_pictures
 
+    if out is not None:
+        check_not_empty(out)
     pictures = list_pictures(images)
     if strokes is None:
         told = _on_a_page(pictures, Path(out or FOLDER), browser)

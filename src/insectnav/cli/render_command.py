@@ -44,11 +44,14 @@ def _render(given: Mapping[str, Any]) -> None:
     from insectnav.experiments.rendering.frame_store import finished_frames
     from insectnav.experiments.rendering.job import run
     from insectnav.experiments.rendering.plan import planned
-    from insectnav.experiments.results import to_json
+    from insectnav.experiments.results import check_not_empty, to_json
 
     gc.enable()  # which `program` turns off; a run may be long
     params = render_params(given)
-    folder = Path(given["out"] or f"out/{Path(params.place.world).stem or 'world'}")
+    out = given["out"]
+    if out is not None:
+        check_not_empty(out)
+    folder = Path(f"out/{Path(params.place.world).stem or 'world'}" if out is None else out)
     plan = planned(params)
     how = {"resume": given["resume"], "replaces": given["replace"], "workers": given["workers"]}
     try:

@@ -76,8 +76,7 @@ def check_destination(destination: str | os.PathLike[str], option: str = "--out"
     InputError
         If the destination is no name, is a file, cannot be written, or holds other things than earlier results.
     """
-    if not os.fspath(destination):
-        raise InputError(f"{option} is an empty name, expected a folder or '.': a variable that is not set?")
+    check_not_empty(destination, option)
     final = Path(os.path.realpath(destination))
     shown = f"{option} {quoted(destination, limit=200)}"
     with written_to(destination, option):
@@ -91,6 +90,23 @@ def check_destination(destination: str | os.PathLike[str], option: str = "--out"
                 f"{shown} holds other files, such as {example}, expected a new name or a folder of results alone"
             )
         check_room(final, shown)
+
+
+def check_not_empty(destination: str | os.PathLike[str], option: str = "--out") -> None:
+    """Refuse a name without a letter, which the system would take for the present folder.
+
+    Parameters
+    ----------
+    destination : as the user named it
+    option : by which
+
+    Raises
+    ------
+    InputError
+        If it is empty.
+    """
+    if not os.fspath(destination):
+        raise InputError(f"{option} is an empty name, expected a folder or '.': a variable that is not set?")
 
 
 def check_room(place: Path, shown: str) -> None:
