@@ -14,7 +14,7 @@ REFERENCE, SCORE = np.array([0, 1, 9, 4]), np.array([0.1, 0.2, 0.3, 0.9])
 
 
 def test_matches_that_are_not_judged_do_not_look_wrong_in_the_matrix():
-    truth = from_pairs(REFERENCE, {0: 0, 2: 2, 3: 3}, 1.0, "by hand", 10)
+    truth = from_pairs(REFERENCE, {0: (0,), 2: (2,), 3: (3,)}, 1.0, "by hand", np.zeros(10, np.int64))
     figure = draw_matches(located(REFERENCE, SCORE, truth), np.random.default_rng(0).random((10, 4)),
                           np.arange(10), np.arange(4))  # fmt: skip
     matrix = next(axes for axes in figure.axes if axes.images)
@@ -23,7 +23,7 @@ def test_matches_that_are_not_judged_do_not_look_wrong_in_the_matrix():
 
 
 def test_the_truth_does_not_run_from_one_route_into_another():
-    truth = from_pairs(REFERENCE, {0: 0, 1: 6, 2: 2, 3: 3}, 1.0, "by hand", 10)
+    truth = from_pairs(REFERENCE, {0: (0,), 1: (6,), 2: (2,), 3: (3,)}, 1.0, "by hand", np.zeros(10, np.int64))
     found = located(REFERENCE, SCORE, truth, place_routes=np.arange(10) // 5)
     figure = draw_matches(found, np.zeros((10, 4)), np.arange(10), np.arange(4))
     line = next(line for line in figure.axes[0].lines if line.get_label() == "truth")
@@ -42,7 +42,7 @@ def test_errors_that_are_not_drawn_do_not_make_room_for_themselves():
 
 
 def test_precision_is_drawn_over_all_of_the_recall_that_its_area_counts():
-    truth = from_pairs(REFERENCE, {k: k for k in range(4)}, 1.0, "by hand", 10)
+    truth = from_pairs(REFERENCE, {k: (k,) for k in range(4)}, 1.0, "by hand", np.zeros(10, np.int64))
     figure = draw_precision(located(REFERENCE, SCORE, truth))
     assert figure is not None
     curve = figure.axes[0].lines[0]
@@ -52,7 +52,7 @@ def test_precision_is_drawn_over_all_of_the_recall_that_its_area_counts():
 
 def test_where_nothing_is_found_no_legend_is_asked_for():
     nowhere = np.full(4, -1)
-    figure = draw_precision(located(nowhere, None, from_pairs(nowhere, {0: 0}, 1.0, "by hand", 10)))
+    figure = draw_precision(located(nowhere, None, from_pairs(nowhere, {0: (0,)}, 1.0, "by hand", np.zeros(10, np.int64))))
     assert figure is not None  # and no warning, which is an error here
     assert figure.axes[1].get_legend() is None
 

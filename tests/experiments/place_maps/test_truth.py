@@ -9,9 +9,19 @@ from numpy.testing import assert_allclose, assert_array_equal
 from sklearn.metrics import average_precision_score
 
 from insectnav.checks import InputError
+from insectnav.experiments.place_maps.locate import on_other_routes
 from insectnav.experiments.place_maps.located import numbers, read_matches, write_rows
-from insectnav.experiments.place_maps.truth import between_key_frames, by_position, from_pairs, quantity, same_index
+from insectnav.experiments.place_maps.truth import (
+    between_key_frames,
+    by_position,
+    from_pairs,
+    quantity,
+    read_pairs,
+    same_index,
+)
 from place_scenes import located
+
+TEN = np.zeros(10, np.int64)  # places on one route
 
 
 def test_same_index_within_each_route():
@@ -37,17 +47,17 @@ def test_a_query_beyond_the_map_has_no_right_match():
 
 
 def test_pairs_may_say_that_a_query_is_nowhere():
-    truth = from_pairs(np.array([4, 2, 7]), {0: 5, 1: -1}, 1.0, "by hand", 10)
+    truth = from_pairs(np.array([4, 2, 7]), {0: (5,), 1: ()}, 1.0, "by hand", TEN)
     assert_array_equal(truth.is_right, [True, False, False])
     assert_array_equal(truth.is_known, [True, True, False])
     assert_array_equal(truth.is_in_map, [True, False, False])
     with pytest.raises(InputError, match="pairs query 3 with place 0"):
-        from_pairs(np.array([4, 2, 7]), {3: 0}, 1.0, "by hand", 10)
+        from_pairs(np.array([4, 2, 7]), {3: (0,)}, 1.0, "by hand", TEN)
 
 
 def test_straight_lines_between_key_frames():
     keys = np.array([[1, 10], [3, 14], [4, np.nan]])
-    truth = between_key_frames(np.array([9, 11, 12, 13, 13, 13]), keys, 1.0, "by eye")
+    truth = between_key_frames(np.array([9, 11, 12, 13, 13, 13]), keys, 1.0, "by eye", np.zeros(99, np.int64))
     assert_array_equal(truth.is_known, [False, True, True, True, True, False])
     assert_array_equal(truth.is_right, [False, True, True, True, False, False])
     assert_array_equal(truth.is_in_map, [False, True, True, True, False, False])
@@ -57,14 +67,53 @@ def test_key_frames_beyond_either_recording_are_refused():
     matched = np.array([0, 1, 2])
     for keys, words in (([[0, 0], [3, 2]], "key frames of the queries"), ([[0, 0], [2, 9]], "key frames of the map")):
         with pytest.raises(InputError, match=words):
-            between_key_frames(matched, np.array(keys, float), 1.0, "by eye", 9)
-    assert between_key_frames(matched, np.array([[0.0, 0.0], [2.0, 9.0]]), 1.0, "by eye").is_known.all()
+            between_key_frames(matched, np.array(keys, float), 1.0, "by eye", np.zeros(9, np.int64))
+    assert between_key_frames(matched, np.array([[0.0, 0.0], [2.0, 9.0]]), 1.0, "by eye", TEN).is_known.all()
 
 
 def test_the_table_has_the_fraction_of_a_true_place():
-    truth = between_key_frames(np.array([0, 1, 2, -1]), np.array([[0, 0], [2, 1], [3, np.nan]]), 1.0, "by eye")
+    truth = between_key_frames(np.array([0, 1, 2, -1]), np.array([[0, 0], [2, 1], [3, np.nan]]), 1.0, "by eye", TEN)
     rows = located([0, 1, 2, -1], None, truth).rows()
     assert [row["true_reference"] for row in rows] == [0, 0.5, 1, ""]
+
+
+def test_frames_are_counted_along_one_route_alone():
+    """Neighbours by number may be a whole route apart: the last place of one and the first of the next."""
+    routes = np.repeat([0, 1], 5)
+    truth = from_pairs(np.array([5, 4, 6, 9, -1]), {k: (4,) for k in range(5)}, 2.0, "by hand", routes)
+    assert_array_equal(truth.is_right, [False, True, False, False, False])
+    assert_array_equal(truth.error, [np.nan, 0, np.nan, np.nan, np.nan])
+    assert truth.is_known.all() and truth.is_in_map.all()
+    found = located([5, 4, 6, 9, -1], None, truth, place_routes=routes)
+    assert numbers(found)["precision_of_all"] == 0.25
+    assert "3 matches lie on another route than the true place" in on_other_routes(found)[0]
+
+
+def test_a_query_may_have_a_place_on_each_route():
+    routes = np.repeat([0, 1], 5)
+    truth = from_pairs(np.array([6, 1, -1]), {0: (1, 7), 1: (1, 7), 2: (1, 7)}, 0.0, "by hand", routes)
+    assert_array_equal(truth.error, [1, 0, np.nan])
+    assert_array_equal(truth.reference, [7, 1, 1])
+
+
+def test_pairs_give_one_place_on_a_route(tmp_path):
+    path, routes = tmp_path / "pairs.csv", np.repeat([0, 1], 5)
+    names = ([f"q{k}" for k in range(3)], [f"p{k}" for k in range(10)])
+    path.write_text("query,reference\nq0,p1\nq0,p7\nq1,\n0,1\n")
+    assert read_pairs(path, *names, routes) == {0: (1, 7), 1: ()}
+    for more in ("0,2\n", "0,-1\n", "1,3\n"):
+        path.write_text("query,reference\n0,1\n0,7\n1,\n" + more)
+        with pytest.raises(InputError, match="line 5 of .* another place than a line above, expected one for each on"):
+            read_pairs(path, *names, routes)
+
+
+def test_no_line_between_key_frames_leads_from_one_route_into_the_next():
+    routes, keys = np.repeat([0, 1], 5), np.array([[0, 0], [2, 4], [4, 5], [6, 9]])
+    truth = between_key_frames(np.array([0, 2, 5, 4, 5, 4, 9]), keys, 1.0, "by eye", routes)
+    assert_array_equal(truth.is_known, [True, True, True, False, True, True, True])
+    assert_array_equal(truth.reference, [0, 2, 4, np.nan, 5, 7, 9])
+    assert_array_equal(truth.error, [0, 0, np.nan, np.nan, 0, np.nan, 0])
+    assert_array_equal(truth.is_right, [True, True, False, False, True, False, True])
 
 
 def test_distance_over_the_ground():
@@ -114,7 +163,7 @@ def test_a_threshold_keeps_the_better_matches():
 
 
 def test_queries_without_a_sequence_or_a_truth_count_for_nothing():
-    truth = from_pairs(np.array([-1, 1, 2, 3, -1]), {0: 0, 1: 1, 2: 2, 4: 4}, 0.0, "by hand", 10)
+    truth = from_pairs(np.array([-1, 1, 2, 3, -1]), {k: (k,) for k in (0, 1, 2, 4)}, 0.0, "by hand", TEN)
     found = numbers(located([-1, 1, 2, 3, -1], None, truth, half_sequence=1))
     assert (found["judged"], found["can_be_matched"], found["recall_of_all"], found["precision_of_all"]) == (2, 2, 1, 1)
 

@@ -17,8 +17,8 @@ NOWHERE = np.full(4, -1)
 
 
 def test_matches_that_are_not_there_have_no_precision_and_no_score():
-    pairs = {0: 0, 1: 1}
-    judged = numbers(located(NOWHERE, None, from_pairs(NOWHERE, pairs, 1.0, "by hand", 10)))
+    pairs = {0: (0,), 1: (1,)}
+    judged = numbers(located(NOWHERE, None, from_pairs(NOWHERE, pairs, 1.0, "by hand", np.zeros(10, np.int64))))
     said = evaluated_in_words({"lead": "", "truth": "", "numbers": judged, "notes": []})
     for words in (said, *tiles(judged), *tiles(numbers(located(NOWHERE))), *numbers_in_words(judged)):
         assert "nan" not in "".join(words)
@@ -27,7 +27,7 @@ def test_matches_that_are_not_there_have_no_precision_and_no_score():
 
 def test_the_threshold_up_to_which_all_is_right_keeps_just_that():
     reference, score = np.array([0, 1, 7, 3]), np.array([0.1, 0.84069901, 0.84069902, 0.9])
-    truth = from_pairs(reference, {k: k for k in range(4)}, 0.0, "by hand", 10)
+    truth = from_pairs(reference, {k: (k,) for k in range(4)}, 0.0, "by hand", np.zeros(10, np.int64))
     all_of_them = numbers(located(reference, score, truth))
     threshold = next(float(value) for name, value, _ in numbers_in_words(all_of_them) if name == "Score of the same")
     kept = numbers(located(reference, score, truth, threshold=threshold))

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from insectnav.checks import InputError, quoted
-from insectnav.experiments.place_maps.locate import LocateParams, Search, truth_in_frames
+from insectnav.experiments.place_maps.locate import LocateParams, Search, on_other_routes, truth_in_frames
 from insectnav.experiments.place_maps.located import Located, numbers, read_matches
 from insectnav.experiments.place_maps.opening import check_one_frame
 from insectnav.experiments.place_maps.page import lead_sentence
@@ -72,6 +72,7 @@ def evaluate_table(path: str | os.PathLike[str], params: LocateParams, place_map
         notes.append("without --map, only places that were matched are known: recall counts queries near one of these")
     about = None if place_map is None else opened.about
     found = replace(found, truth=_truth(found, params, about))
+    notes.extend(on_other_routes(found))
     values = numbers(found) | ({} if place_map is not None else {"places": None})
     source = "" if found.truth is None else found.truth.source
     return {
@@ -104,9 +105,9 @@ def _is_same_name(said: str, there: str) -> bool:
 
 def _truth(found: Located, params: LocateParams, about: MapAbout | None) -> Truth:
     known, where, is_whole_map = params.truth, params.frames.where, about is not None
-    if known.same_index and not is_whole_map and found.place_routes.any():
+    if known.is_in_frames and not is_whole_map and found.place_routes.any():
         raise InputError("the matches lie on several routes, expected --map to know where each begins")
-    truth = truth_in_frames(found, known, len(found.place_names) if is_whole_map else None)
+    truth = truth_in_frames(found, known, is_whole_map)
     if truth is not None:
         return truth
     table = position_table(where, about.origin_deg if about else None)

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -73,12 +74,15 @@ class TruthParams:
         ]
         if len(given) > 1:
             raise InputError(f"{' and '.join(given)} are given, expected one kind of truth")
-        if self.tolerance_frames is not None and not (
-            self.same_index or self.pairs is not None or self.key_frames is not None
-        ):
+        if self.tolerance_frames is not None and not self.is_in_frames:
             raise InputError(
                 "--tolerance-frames is given without a truth in frames, expected --same-index, --truth or --key-frames"
             )
+
+    @property
+    def is_in_frames(self) -> bool:
+        """Whether the truth is told by numbers of frames."""
+        return self.same_index or self.pairs is not None or self.key_frames is not None
 
     @property
     def tolerance(self) -> float:
@@ -239,7 +243,7 @@ def _truth(found: Located, place_map: PlaceMap, params: LocateParams) -> Truth |
     """The truth that the user knows of."""
     known, where = params.truth, params.frames.where
     if known.tolerance_m is None:
-        return truth_in_frames(found, known, place_map.n_places)
+        return truth_in_frames(found, known, True)
     if where.positions is None:
         raise InputError("--tolerance-m is given without --positions, expected a file of where the queries were")
     query = np.full((len(found.names), 3), np.nan) if found.query_positions is None else found.query_positions
@@ -247,32 +251,37 @@ def _truth(found: Located, place_map: PlaceMap, params: LocateParams) -> Truth |
     return by_position(found.reference, query, found.place_positions, known.tolerance_m, source)
 
 
-def truth_in_frames(found: Located, known: TruthParams, n_places: int | None) -> Truth | None:
+def truth_in_frames(found: Located, known: TruthParams, is_whole_map: bool) -> Truth | None:
     """The truth by numbers of frames; None if none is given.
 
     Parameters
     ----------
     found : Located
     known : TruthParams
-    n_places : in the map; None if the matches alone are known
+    is_whole_map : whether its places are all of the map; if not, those that were matched, and all lie on one route
 
     Raises
     ------
     InputError
         If a table cannot be read, or names what is not there.
     """
+
+    def routes_up_to(place: float) -> NDArray[np.int64]:
+        n_places = len(found.place_routes)
+        return found.place_routes if is_whole_map else np.zeros(max(n_places, 1 + int(place)), np.int64)
+
     if known.same_index:
-        is_whole = n_places is not None
-        return same_index(found.reference, found.place_routes, known.tolerance, is_whole_map=is_whole)
+        return same_index(found.reference, found.place_routes, known.tolerance, is_whole_map=is_whole_map)
     if known.pairs is not None:
-        pairs = read_pairs(known.pairs, found.names, found.place_names)
-        most = 1 + max(pairs.values(), default=-1) if n_places is None else n_places
+        pairs = read_pairs(known.pairs, found.names, found.place_names, found.place_routes)
+        routes = routes_up_to(max(chain.from_iterable(pairs.values()), default=-1))
         source = f"pairs of {os.path.basename(known.pairs)} (--truth)"
-        return from_pairs(found.reference, pairs, known.tolerance, source, most)
+        return from_pairs(found.reference, pairs, known.tolerance, source, routes)
     if known.key_frames is not None:
         keys = read_key_frames(known.key_frames)
         source = f"straight lines between the key frames of {os.path.basename(known.key_frames)} (--key-frames)"
-        return between_key_frames(found.reference, keys, known.tolerance, source, n_places)
+        routes = routes_up_to(np.max(keys[:, 1], where=np.isfinite(keys[:, 1]), initial=-1))
+        return between_key_frames(found.reference, keys, known.tolerance, source, routes)
     return None
 
 
@@ -288,6 +297,7 @@ def _warnings(found: Located, is_vectors: bool, about: MapAbout, is_same_index: 
         said.append(f"the features are taken to be described as the map's, by {about.descriptor}: nothing tells")
     if is_same_index and (slip := _other_index(found)):
         said.append(slip)
+    said.extend(on_other_routes(found))
     half = found.half_sequence
     if half:
         ends = "the first and the last query have" if half == 1 else f"the first and last {half} queries have"
@@ -297,6 +307,18 @@ def _warnings(found: Located, is_vectors: bool, about: MapAbout, is_same_index: 
         more = counted(int(inner.sum()), "more query has", "more queries have")
         said.append(f"{more} no match: too many frames missing, or nothing tells places apart")
     return said
+
+
+def on_other_routes(found: Located) -> list[str]:
+    """A note on matches that are wrong by a route, not by frames, if there are any."""
+    truth = found.truth
+    if truth is None or truth.unit != "frames":
+        return []
+    n_off = int((truth.is_known & truth.is_in_map & found.is_matched & np.isnan(truth.error)).sum())
+    if not n_off:
+        return []
+    some = counted(n_off, "match lies", "matches lie")
+    return [f"{some} on another route than the true place, and so wrong without an error in frames"]
 
 
 def _other_index(found: Located) -> str:

@@ -19,6 +19,7 @@ from insectnav.metrics.retrieval import position_error
 Reals = NDArray[np.floating[Any]]
 Integers = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+NOWHERE = -1  # in place of the number of a route
 QUERY_COLUMNS, REFERENCE_COLUMNS = ("query", "query_name"), ("reference", "reference_name")
 
 
@@ -90,34 +91,38 @@ def same_index(matched: Integers, routes: Integers, tolerance: float, *, is_whol
     )
 
 
-def from_pairs(matched: Integers, pairs: Mapping[int, int], tolerance: float, source: str, n_references: int) -> Truth:
-    """Truth of a table: the place of each query, −1 for one that is not in the map; others are not judged.
+def from_pairs(
+    matched: Integers, pairs: Mapping[int, Sequence[int]], tolerance: float, source: str, routes: Integers
+) -> Truth:
+    """Truth of a table: the places of each query, one on each route that came by; other queries are not judged.
+
+    A match on a route for which the table has no place of its query is wrong, and off by no number of frames.
 
     Parameters
     ----------
     matched : (query,) number of the place of each, −1 where there is none
-    pairs : number of the place by the number of the query
+    pairs : numbers of the places by the number of the query; none of one that is not in the map
     tolerance : [frame]
     source : in words
-    n_references : places in the map
+    routes : (place,) number of the route of each place
     """
     check_range("tolerance-frames", tolerance, 0.0, np.inf)
     reference, is_known = np.full(len(matched), np.nan), np.zeros(len(matched), bool)
-    for query, place in pairs.items():
-        if not 0 <= query < len(matched) or not -1 <= place < n_references:
-            raise InputError(
-                f"the truth pairs query {query} with place {place}, expected queries 0 to {len(matched) - 1} and "
-                f"places 0 to {n_references - 1}, or −1 for none: of another map, or thinned otherwise?"
-            )
+    for query, places in pairs.items():
+        for place in places or (-1,):
+            if not 0 <= query < len(matched) or not -1 <= place < len(routes):
+                raise InputError(
+                    f"the truth pairs query {query} with place {place}, expected queries 0 to {len(matched) - 1} and "
+                    f"places 0 to {len(routes) - 1}, or −1 for none: of another map, or thinned otherwise?"
+                )
         is_known[query] = True
-        reference[query] = np.nan if place < 0 else place
-    is_in_map = np.isfinite(reference)
-    error = np.where((matched >= 0) & is_in_map, np.abs(matched - reference), np.nan)
+        own = [place for place in places if matched[query] >= 0 and routes[place] == routes[matched[query]]]
+        reference[query] = next(iter([*own, *places]), np.nan)
     return Truth(
         reference=reference,
-        error=error,
+        error=_frames_off(matched, reference, routes),
         is_known=is_known,
-        is_in_map=is_in_map,
+        is_in_map=np.isfinite(reference),
         tolerance=float(tolerance),
         unit="frames",
         source=source,
@@ -125,9 +130,11 @@ def from_pairs(matched: Integers, pairs: Mapping[int, int], tolerance: float, so
 
 
 def between_key_frames(
-    matched: Integers, key_frames: Reals, tolerance: float, source: str, n_references: int | None = None
+    matched: Integers, key_frames: Reals, tolerance: float, source: str, routes: Integers
 ) -> Truth:
     """Truth between frames that a person has matched; queries before the first and after the last are not judged.
+
+    Nor are those between key frames of two routes, which no line leads from one to the other.
 
     Parameters
     ----------
@@ -135,23 +142,43 @@ def between_key_frames(
     key_frames : (key frame, 2) numbers of queries and places, as of `metrics.place_truth.true_matches_by_frames`
     tolerance : [frame]
     source : in words
-    n_references : places in the map; None if the matches alone are known
+    routes : (place,) number of the route of each place
     """
     check_range("tolerance-frames", tolerance, 0.0, np.inf)
     slip = "of another recording, or thinned otherwise?"
     check_range("key frames of the queries", key_frames[:, 0], 0, len(matched) - 1, slip=slip)
     places = key_frames[np.isfinite(key_frames[:, 1]), 1]
-    check_range("key frames of the map", places, 0, np.inf if n_references is None else n_references - 1, slip=slip)
-    true = true_matches_by_frames(key_frames, np.arange(len(matched)))
+    check_range("key frames of the map", places, 0, len(routes) - 1, slip=slip)
+    queries = np.arange(len(matched))
+    true = true_matches_by_frames(key_frames, queries)
+    is_between = _is_between_routes(key_frames, routes, queries)
+    reference = np.where(is_between, np.nan, true.reference)
     return Truth(
-        reference=true.reference,
-        error=np.where(matched >= 0, np.abs(matched - true.reference), np.nan),
-        is_known=np.asarray(true.is_known),
-        is_in_map=np.asarray(true.can_be_matched),
+        reference=reference,
+        error=_frames_off(matched, reference, routes),
+        is_known=np.asarray(true.is_known & ~is_between),
+        is_in_map=np.isfinite(reference),
         tolerance=float(tolerance),
         unit="frames",
         source=source,
     )
+
+
+def _frames_off(matched: Integers, reference: Reals, routes: Integers) -> Reals:
+    """Frames from the true place to the match on the same route; NaN where one is missing, or they are on two."""
+    is_both = (matched >= 0) & np.isfinite(reference)
+    true = np.where(is_both, reference, 0).astype(np.int64)
+    is_one_route = routes[np.maximum(matched, 0)] == routes[true]
+    return np.where(is_both & is_one_route, np.abs(matched - reference), np.nan)
+
+
+def _is_between_routes(key_frames: Reals, routes: Integers, queries: Integers) -> Bools:
+    """Which queries lie between two key frames of different routes."""
+    is_place = np.isfinite(key_frames[:, 1])
+    route = np.where(is_place, routes[np.where(is_place, key_frames[:, 1], 0).astype(np.int64)], -1)
+    after = np.clip(np.searchsorted(key_frames[:, 0], queries), 1, len(key_frames) - 1)
+    is_seam = (route[after] != route[after - 1]) & is_place[after] & is_place[after - 1]
+    return np.asarray(is_seam & (queries > key_frames[after - 1, 0]) & (queries < key_frames[after, 0]))
 
 
 def by_position(
@@ -189,16 +216,23 @@ def by_position(
 
 
 def read_pairs(
-    path: str | os.PathLike[str], query_names: Sequence[str], reference_names: Sequence[str]
-) -> dict[int, int]:
+    path: str | os.PathLike[str], query_names: Sequence[str], reference_names: Sequence[str], routes: Integers
+) -> dict[int, tuple[int, ...]]:
     """Pairs of a table with the columns query and reference, which hold numbers from 0 or names of frames.
 
-    An empty reference, or −1, says that the query is not in the map.
+    An empty reference, or −1, says that the query is not in the map, and several rows of one query that several routes
+    came by its place.
+
+    Parameters
+    ----------
+    path : of the table
+    query_names, reference_names : of the frames
+    routes : (place,) number of the route of each place, as far as it is known
 
     Raises
     ------
     InputError
-        If it is no such table, or names what is not there.
+        If it is no such table, names what is not there, or gives a query two places on one route.
     """
     lines, cells = read_cells(Path(path))
     shown = quoted(Path(path).name, 200)
@@ -207,18 +241,20 @@ def read_pairs(
     if query is None or reference is None:
         raise InputError(f"--truth {shown} has the columns {', '.join(cells)}, expected query and reference")
     of_query, of_reference = _numbers_by_name(query_names), _numbers_by_name(reference_names)
-    pairs: dict[int, int] = {}
+    by_route: dict[int, dict[int, int]] = {}
     for line, own_text, text in zip(lines, cells[query], cells[reference], strict=True):
         own = _number(own_text, of_query, f"line {line} of --truth {shown} names the query")
         known = (
             -1 if text in ("", "-1") else _number(text, of_reference, f"line {line} of --truth {shown} names the place")
         )
-        if pairs.setdefault(own, known) != known:
+        places = by_route.setdefault(own, {})
+        route = NOWHERE if known < 0 else int(routes[known]) if known < len(routes) else 0
+        if places.setdefault(route, known) != known or (NOWHERE in places and len(places) > 1):
             raise InputError(
                 f"line {line} of --truth {shown} gives query {own} another place than a line above, expected one "
-                "for each: names that are numbers, which count before the numbers from 0?"
+                "for each on a route: names that are numbers, which count before the numbers from 0?"
             )
-    return pairs
+    return {own: tuple(place for place in places.values() if place >= 0) for own, places in by_route.items()}
 
 
 def read_cells(path: Path) -> tuple[Integers, dict[str, list[str]]]:
