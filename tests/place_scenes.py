@@ -101,7 +101,7 @@ def located(reference, score=None, truth=None, **given):
     )
 
 
-def robot_recording(folder: Path, pictures: np.ndarray) -> Path:
+def robot_recording(folder: Path, pictures: np.ndarray, *, is_stamped: bool = True) -> Path:
     """A bag of ROS 2: a picture a second from 10 s on, and odometry that moves north by 3 m a second."""
     rosbag2, typesys = pytest.importorskip("rosbags.rosbag2"), pytest.importorskip("rosbags.typesys")
     store = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
@@ -115,8 +115,9 @@ def robot_recording(folder: Path, pictures: np.ndarray) -> Path:
         for k, picture in enumerate(pictures):
             stamp = make["Time"](sec=10 + k, nanosec=0)
             header = make["Header"](stamp=stamp, frame_id="")
+            taken = header if is_stamped else make["Header"](stamp=make["Time"](sec=0, nanosec=0), frame_id="")
             rows, columns = picture.shape
-            image = make["Image"](header=header, height=rows, width=columns, encoding="mono8", is_bigendian=0,
+            image = make["Image"](header=taken, height=rows, width=columns, encoding="mono8", is_bigendian=0,
                                   step=columns, data=picture.reshape(-1))  # fmt: skip
             pose = make["Pose"](position=make["Point"](x=0.0, y=3.0 * k, z=0.0), orientation=upright)
             place = make["Odometry"](

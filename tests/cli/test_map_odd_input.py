@@ -153,6 +153,21 @@ def test_names_that_no_disk_takes_are_refused(run, walk: Path, arguments: list[s
     assert not (walk / "m").exists()
 
 
+def test_a_camera_that_stamps_nothing_has_the_times_of_arrival(run, walk: Path):
+    robot_recording(walk, views()[:20], is_stamped=False)
+    built = ("map", "build", "robot", "route", "--positions", "robot")
+    assert_refused(run(*built), "message 0 of '/camera' in 'robot' has no time stamp, expected one: --clock bag")
+    assert_refused(run(*built, "--clock", "stamp"), "has no time stamp")
+    assert_refused(run(*built, "--clock", "ros"), "clock 'ros' is unknown: expected one of stamp, bag")
+    assert_refused(run("map", "build", "summer", "m", "--clock", "bag"), "--clock is given, expected it with the rec")
+    assert not (walk / "route").exists()
+    done = strict(run(*built, "--clock", "bag", "--json").out)
+    assert (done["with_time"], done["with_position"], done["spacing_m"]) == (20, 20, pytest.approx(3.0))
+    found = run("map", "locate", "route", "robot", "--clock", "bag", "--same-index", "--out", "m.csv")
+    assert found.code == 0
+    assert [row["time_s"] for row in table(walk / "m.csv")] == [str(10 + k) for k in range(20)]
+
+
 def test_a_damaged_picture_of_a_robot_is_a_missing_frame_with_its_name(run, walk: Path):
     path = robot_recording(walk, views())
     with sqlite3.connect(next(path.glob("*.db3"))) as store:

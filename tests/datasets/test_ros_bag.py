@@ -87,6 +87,33 @@ def test_compressed_pictures(kind: str, tmp_path: Path):
     np.testing.assert_allclose(second, smooth, atol=3)
 
 
+@pytest.mark.parametrize(
+    ("form", "is_exchanged"),
+    [
+        ("jpeg", False),
+        ("png", False),
+        ("rgb8; jpeg compressed bgr8", False),
+        ("bgr8; jpeg compressed bgr8", False),
+        ("rgb8; jpeg compressed", True),  # as compressed_image_transport wrote up to 1.8.4
+        ("bgr8; jpeg compressed ", True),
+        ("rgba8; png compressed rgb8", True),
+        ("rgb8; jpeg compressed rgb8", True),
+        ("mono8; jpeg compressed ", False),
+    ],
+)
+def test_old_formats_of_compressed_pictures_have_red_and_blue_exchanged(form: str, is_exchanged: bool, tmp_path: Path):
+    """As the reader of ROS has it: what OpenCV's decoder calls blue, green, red is red, green, blue in these."""
+
+    def make(messages: Messages) -> list:
+        messages_made = [messages.compressed(1.0, "png", PICTURE)]
+        messages_made[0].format = form
+        return messages_made
+
+    (frame,) = bag_frames(bag(tmp_path, ROS1, {"/camera": make}))
+    np.testing.assert_array_equal(frame.read(), PICTURE[..., ::-1] if is_exchanged else PICTURE)
+    assert (repr(form.strip()) in frame.remark or repr(form) in frame.remark) == is_exchanged
+
+
 def test_compressed_raw_data_of_a_colour_sensor_are_refused_unless_demosaiced(tmp_path: Path):
     def make(messages: Messages) -> list:
         pictures = [messages.compressed(k + 1.0, "png", one) for k, one in enumerate((PICTURE, PICTURE[..., 0]))]
@@ -108,7 +135,7 @@ def test_compressed_raw_data_of_a_colour_sensor_are_refused_unless_demosaiced(tm
         (lambda m: [m.image(1.0, "rgb8", PICTURE.reshape(2, 12), 4, height=3)], "24 bytes"),
         (lambda m: [m.image(1.0, "rgb8", PICTURE.reshape(2, 12), 4, height=0)], "0 × 4 pixels"),
         (lambda m: [m.image(1.0, "mono8", PICTURE.reshape(2, 12), 2**31, height=2**31)], "pixels"),
-        (lambda m: [m.image(0.0, "rgb8", PICTURE.reshape(2, 12), 4)], 'no time stamp, expected one: clock="bag"'),
+        (lambda m: [m.image(0.0, "rgb8", PICTURE.reshape(2, 12), 4)], 'no time stamp, expected one: --clock bag, clock="bag"'),
         (
             lambda m: [m.make("sensor_msgs/msg/CompressedImage", header=m.header(1.0), format="h264",
                               data=np.zeros(9, np.uint8))],

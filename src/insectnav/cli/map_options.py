@@ -29,8 +29,10 @@ WHERE: tuple[Option, ...] = (
     ("--time-offset", NUMBER, "Added to the times of the frames [s]", "0", None),
     ("--utc-offset", NUMBER, "Of clocks that name no time zone [h]", "0", None),
     ("--max-gap", NUMBER, "Between two positions that is bridged [s]", "3", None),
+    ("--clock", TEXT, "Of the recording of a robot: stamp, when a message was made, or bag, when it arrived", "stamp",
+     None),
     ("--topic", TEXT, "Of the pictures in the recording of a robot", "the only one", None),
-)  # fmt: skip
+)  # fmt: skip  # fmt: skip
 THIN: tuple[Option, ...] = (
     ("--step", COUNT, "Take every so many frames", "1", None),
     ("--every-m", NUMBER, "Take frames so far from the one taken before [m]", "", None),

@@ -19,6 +19,8 @@ ENCODINGS = {
     "rgba8": (1, "rgba"),
     "bgra8": (1, "bgra"),
 }
+# Encodings of which the source of ROS says that they are in colour; `isColor` of that file.
+COLOURS = frozenset(f"{order}{bits}" for order in ("rgb", "bgr", "rgba", "bgra") for bits in (8, 16))
 
 
 def picture_of(message: Any, name: str) -> NDArray[Any]:
@@ -38,6 +40,8 @@ def picture_of(message: Any, name: str) -> NDArray[Any]:
         picture = decoded_image(bytes(message.data), name)
         if picture.ndim == 2:  # else they were demosaiced before
             _refuse_raw(message.format, name)
+        elif is_exchanged(message):
+            return np.ascontiguousarray(picture[..., ::-1])
         return picture
     encoding = message.encoding
     _refuse_raw(encoding, name)
@@ -59,6 +63,25 @@ def picture_of(message: Any, name: str) -> NDArray[Any]:
     if not bands:
         return lines
     return np.ascontiguousarray(lines.reshape(rows, columns, len(bands))[..., [bands.index(band) for band in "rgb"]])
+
+
+def is_exchanged(message: Any) -> bool:
+    """Whether red and blue have changed places in the JPEG or PNG of a message.
+
+    Parameters
+    ----------
+    message : CompressedImage or Image
+
+    Notes
+    -----
+    After the source of compressed_image_transport (ros-perception/image_transport_plugins), compressed_subscriber.cpp:
+    ``format`` is the encoding before it was compressed, then, after a semicolon, what it was compressed from. Where
+    this names no ``compressed bgr``, red came first in what was handed to OpenCV's encoder, which takes blue to be
+    first. So it was up to version 1.8.4 (2012, "fixing compressed color format to comply with opencv api" in its
+    CHANGELOG for 1.8.5). A format without a semicolon says nothing of an order, and is the usual one.
+    """
+    encoding, semicolon, compressed = getattr(message, "format", "").partition(";")
+    return bool(semicolon) and encoding.strip() in COLOURS and "compressed bgr" not in compressed
 
 
 def _refuse_raw(encoding: str, name: str) -> None:

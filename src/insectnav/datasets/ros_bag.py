@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_choice, quoted
-from insectnav.datasets.bag_pictures import picture_of
+from insectnav.datasets.bag_pictures import is_exchanged, picture_of
 from insectnav.datasets.bounded_chunks import bound_chunks, unpacked_folder, unpacker_of_messages
 from insectnav.datasets.gps import local_plane
 from insectnav.datasets.gps_track import MAX_FIXES
@@ -24,7 +24,7 @@ from insectnav.datasets.positions import Positions
 
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 PLACES = ("sensor_msgs/msg/NavSatFix", "nav_msgs/msg/Odometry", "geometry_msgs/msg/PoseStamped")
-CLOCKS = ("stamp", "bag")
+CLOCKS = STAMP, ARRIVAL = ("stamp", "bag")
 MAX_MESSAGE = 512 * 2**20  # bytes
 NO_FIX = -1  # sensor_msgs/NavSatStatus
 
@@ -82,10 +82,12 @@ class BagFrame:
     ----------
     time : [s]; NaN where the message that holds it cannot be decoded
     read : gives the picture as `bag_images` does; raises InputError where it is damaged
+    remark : what a person must know of how it is decoded; empty where there is nothing to say
     """
 
     time: float
     read: Callable[[], NDArray[Any]]
+    remark: str = ""
 
 
 def bag_frames(path: str | PathLike[str], topic: str | None = None, *, clock: str = "stamp") -> Iterator[BagFrame]:
@@ -106,9 +108,22 @@ def bag_frames(path: str | PathLike[str], topic: str | None = None, *, clock: st
             try:
                 message = sealed.open()
             except InputError as error:
-                yield BagFrame(time=sealed.arrival if clock == "bag" else np.nan, read=partial(_refuse, str(error)))
+                yield BagFrame(time=sealed.arrival if clock == ARRIVAL else np.nan, read=partial(_refuse, str(error)))
             else:
-                yield BagFrame(time=sealed.time(message, clock), read=partial(picture_of, message, sealed.name))
+                yield BagFrame(
+                    time=sealed.time(message, clock),
+                    read=partial(picture_of, message, sealed.name),
+                    remark=_remark(message),
+                )
+
+
+def _remark(message: Any) -> str:
+    if not is_exchanged(message):
+        return ""
+    return (
+        f"red and blue are exchanged in pictures of the format {quoted(message.format)}, as compressed_image_transport "
+        "reads them: where the sky is not blue then, another program wrote them"
+    )
 
 
 def _refuse(sentence: str) -> NDArray[Any]:
@@ -201,9 +216,12 @@ class _Sealed:
     def time(self, message: Any, clock: str) -> float:
         """When it was sent, or arrived [s]."""
         stamp = message.header.stamp
-        if clock == "stamp" and stamp.sec == 0 and stamp.nanosec == 0:
-            raise InputError(f'{self.name} has no time stamp, expected one: clock="bag" takes the time of its arrival')
-        return float(stamp.sec + stamp.nanosec * 1e-9) if clock == "stamp" else self.arrival
+        if clock == STAMP and stamp.sec == 0 and stamp.nanosec == 0:
+            raise InputError(
+                f'{self.name} has no time stamp, expected one: --clock bag, clock="bag" in Python, takes the time of '
+                "its arrival"
+            )
+        return (int(stamp.sec) * 10**9 + int(stamp.nanosec)) / 10**9 if clock == STAMP else self.arrival
 
 
 class _Bag:
@@ -231,7 +249,7 @@ class _Bag:
             yield _Sealed(
                 data=data,
                 name=f"message {number} of {quoted(chosen)} in {self._name}",
-                arrival=arrival * 1e-9,
+                arrival=arrival / 10**9,  # of two whole numbers, and so to the last digit
                 decode=partial(self._decoded, connection.msgtype),
             )
 

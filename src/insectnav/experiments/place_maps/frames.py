@@ -65,6 +65,7 @@ class FrameSource:
     files : of pictures, in the order of the frames
     frame_rate : of a film [1/s]
     step : of its frames every so many come
+    remarks : what a person must know of them, filled as they are read
     """
 
     frames: Iterator[Frame]
@@ -74,6 +75,7 @@ class FrameSource:
     files: tuple[Path, ...] = ()
     frame_rate: float = float("nan")
     step: int = 1
+    remarks: Sequence[str] = ()
 
     @property
     def is_vectors(self) -> bool:
@@ -122,7 +124,9 @@ class Thinning:
         return "every frame" if step == 1 else f"every {step}{_ordinal(step)} frame"
 
 
-def open_frames(places: Sequence[str | os.PathLike[str]], *, step: int = 1, topic: str | None = None) -> FrameSource:
+def open_frames(
+    places: Sequence[str | os.PathLike[str]], *, step: int = 1, topic: str | None = None, clock: str | None = None
+) -> FrameSource:
     """Frames of folders, patterns of names, files, films, one array of features, or one recording of a robot.
 
     Parameters
@@ -130,6 +134,7 @@ def open_frames(places: Sequence[str | os.PathLike[str]], *, step: int = 1, topi
     places : what the user named; pictures and films in the order given, those of a folder in natural order
     step : of a film every so many frames alone are decoded
     topic : of the pictures in a recording; None for the only one
+    clock : of a recording, "stamp" or "bag"; None for "stamp"
 
     Raises
     ------
@@ -146,7 +151,7 @@ def open_frames(places: Sequence[str | os.PathLike[str]], *, step: int = 1, topi
     if kinds == {"array"}:
         return _of_array(paths[0])
     if kinds == {"bag"}:
-        return _of_bag(paths[0], topic)
+        return _of_bag(paths[0], topic, clock)
     if topic is not None:
         raise InputError(f"--topic is {quoted(topic)}, expected it with the recording of a robot alone")
     return _of_pictures(paths, step)
@@ -303,14 +308,18 @@ def _first_line(error: Exception) -> str:
     return str(error).splitlines()[0][:120] if str(error) else type(error).__name__
 
 
-def _of_bag(path: Path, topic: str | None) -> FrameSource:
-    from insectnav.datasets.ros_bag import bag_frames
+def _of_bag(path: Path, topic: str | None, clock: str | None) -> FrameSource:
+    from insectnav.datasets.ros_bag import STAMP, bag_frames
+
+    remarks: list[str] = []
 
     def frames() -> Iterator[Frame]:
-        for number, frame in enumerate(bag_frames(path, topic)):
+        for number, frame in enumerate(bag_frames(path, topic, clock=clock or STAMP)):
+            if frame.remark and frame.remark not in remarks:
+                remarks.append(frame.remark)
             yield Frame(name=f"{path.stem}_{number:06d}", number=number, read=frame.read, time=frame.time)
 
-    return FrameSource(frames=frames(), total=0, kind="bag")
+    return FrameSource(frames=frames(), total=0, kind="bag", remarks=remarks)
 
 
 def _ordinal(number: int) -> str:

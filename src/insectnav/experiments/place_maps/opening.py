@@ -84,7 +84,7 @@ def opened(places: Sequence[str], params: FrameParams, about: MapAbout | None) -
         If they cannot be read, or options differ from those of the map.
     """
     step = params.thinning.step or 1
-    source = open_frames(places, step=step, topic=params.topic)
+    source = open_frames(places, step=step, topic=params.topic, clock=params.where.clock)
     describe = chosen_params(params.given, about, source.is_vectors)
     source, origin, notes = placed(source, params.where, about.origin_deg if about else None)
     if about is not None and params.where.positions is not None:

@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insectnav.checks import InputError, check_range, counted, quoted
+from insectnav.checks import InputError, check_choice, check_range, counted, quoted
 from insectnav.datasets.frame_times import times_of_frames
 from insectnav.datasets.positions import MAX_GAP_S, Positions, is_gps, positions_of_frames, read_positions
+from insectnav.datasets.ros_bag import CLOCKS, STAMP
 from insectnav.experiments.place_maps.frames import NOWHERE, Frame, FrameSource, is_bag
 
 Reals = NDArray[np.floating[Any]]
@@ -32,6 +33,7 @@ class Whereabouts:
     positions : a file, see `insectnav.datasets.positions.read_positions`, or the recording of a robot
     columns : of a table of positions without a header
     position_topic : of the positions in the recording of a robot; None for the only one
+    clock : of the recording of a robot, "stamp" or "bag": see `insectnav.datasets.ros_bag`; None for "stamp"
     time_offset_s : added to the times of the frames [s]
     utc_offset_h : of clocks without time zone [h]
     max_gap_s : between two positions that is bridged [s]
@@ -39,19 +41,22 @@ class Whereabouts:
     Raises
     ------
     InputError
-        If the offset is no time.
+        If the offset is no time, or the clock unknown.
     """
 
     times: str | None = None
     positions: str | None = None
     columns: tuple[str, ...] | None = None
     position_topic: str | None = None
+    clock: str | None = None
     time_offset_s: float = 0.0
     utc_offset_h: float = 0.0
     max_gap_s: float = MAX_GAP_S
 
     def __post_init__(self) -> None:
         check_range("time-offset", self.time_offset_s, -1e11, 1e11, "s")
+        if self.clock is not None:
+            check_choice("clock", self.clock, CLOCKS)
 
 
 class Placed(NamedTuple):
@@ -79,6 +84,8 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
     InputError
         If a file cannot be read, or has nothing to say on these frames.
     """
+    if where.clock is not None and source.kind != "bag":
+        check_clock_of_positions(where)
     table = position_table(where, origin_deg)
     if source.kind == "bag":
         return _of_recording(source, where, table)
@@ -104,6 +111,17 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
     if table is None or places is None:
         return Placed(replace(source, frames=frames()), None, ())
     return Placed(replace(source, frames=frames()), table.origin_deg, (*table.notes, *_remarks(places, where)))
+
+
+def check_clock_of_positions(where: Whereabouts) -> None:
+    """Refuse a choice of clocks where neither frames nor positions come from the recording of a robot.
+
+    Parameters
+    ----------
+    where : Whereabouts
+    """
+    if where.clock is not None and (where.positions is None or not is_bag(Path(where.positions))):
+        raise InputError("--clock is given, expected it with the recording of a robot alone")
 
 
 def _remarks(places: Reals, where: Whereabouts) -> tuple[str, ...]:
@@ -137,7 +155,7 @@ def position_table(where: Whereabouts, origin_deg: Origin) -> Positions | None:
     if is_bag(path):
         from insectnav.datasets.ros_bag import bag_positions
 
-        return bag_positions(path, where.position_topic, origin_deg=origin_deg)
+        return bag_positions(path, where.position_topic, clock=where.clock or STAMP, origin_deg=origin_deg)
     if where.position_topic is not None:
         raise InputError("--position-topic is given, expected it with positions in the recording of a robot alone")
     return read_positions(path, columns=where.columns, origin_deg=origin_deg)
@@ -248,6 +266,7 @@ def _of_recording(source: FrameSource, where: Whereabouts, table: Positions | No
                     place = positions_of_frames(table, times=np.array(times[-1:]), max_gap_s=where.max_gap_s)[0]
             is_placed |= bool(np.isfinite(place[:2]).all())
             yield replace(frame, time=times[-1], position=place)
+        notes.extend(source.remarks)
         notes.extend(_remarks_on_recording(np.array(times), table, is_placed, where))
 
     return Placed(replace(source, frames=frames()), None if table is None else table.origin_deg, notes)
