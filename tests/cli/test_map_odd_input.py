@@ -1,13 +1,15 @@
 """`insectnav map` with tables from spreadsheets, patterns, steps and frames that tell nothing."""
 
 import sqlite3
+import subprocess
+import sys
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from command_line import assert_refused, strict, table
+from command_line import NEEDS_POSIX, Outcome, assert_refused, command, strict, table
 from place_scenes import N_FRAMES, robot_recording, views, write_pictures
 
 MATCHES = "query,name,reference,reference_name,route,score,has_sequence\n"
@@ -50,6 +52,47 @@ def test_features_too_large_for_half_of_double_precision_are_missing(run, walk: 
     assert built["notes"] == [
         "missing frame a_000003: its features are NaN, infinite or beyond 3e38, expected finite numbers"
     ]
+
+
+def test_truth_by_names_of_files_and_what_is_said_of_places_that_nothing_was_matched_with(run, walk: Path):
+    assert run("map", "build", "summer", "route").code == 0
+    pairs = "".join(f"winter/frame{k}.png,frame{k}.PNG\n" for k in range(N_FRAMES))
+    (walk / "pairs.csv").write_text("query,reference\n" + pairs)
+    found = strict(run("map", "locate", "route", "winter", "--truth", "pairs.csv", "--out", "m.csv", "--json").out)
+    assert (found["numbers"]["right"], found["numbers"]["can_be_matched"]) == (N_FRAMES - 10, N_FRAMES - 10)
+    words = "names the place 'frame0.PNG', expected a number from 0 or the name of one frame: one that nothing was matc"
+    assert_refused(run("map", "evaluate", "m.csv", "--truth", "pairs.csv"), words)
+    judged = strict(run("map", "evaluate", "m.csv", "--truth", "pairs.csv", "--map", "route", "--json").out)
+    assert judged["numbers"] == found["numbers"]
+
+
+def test_matches_without_a_true_place_are_not_left_out_of_errors_unsaid(run, walk: Path):
+    write_pictures(walk / "one", views()[:1])
+    assert run("map", "build", "one", "m").code == 0
+    done = run("map", "locate", "m", "summer", "--sequence-length", "1", "--same-index")
+    assert f"frame at most: of 1, as {N_FRAMES - 1} more have no true place on their route" in done.out.replace("s at", " at")
+
+
+def test_settings_that_are_told_are_those_that_may_be_given(run, walk: Path):
+    """However the map is searched: what a search keeps for itself is none of them."""
+    assert run("map", "build", "summer", "route", "--camera", "panorama", "--descriptor", "turned-views").code == 0
+    told = strict(run("map", "locate", "route", "winter", "--out", "m.csv", "--json").out)["settings"]
+    assert set(told) >= {"sequence_length", "slowest", "fastest", "contrast_window", "unique_window"}
+    assert "offsets" not in told
+
+
+def test_a_damaged_film_is_told_in_one_sentence_alone(walk: Path):
+    (walk / "bad.mp4").write_bytes(b"no film" * 100)  # of which OpenCV's libraries have much to say
+    done = command(walk, "map", "build", "bad.mp4", "m")
+    assert_refused(done, "no frame can be used, bad: 'bad.mp4' cannot be opened as a video")
+
+
+@NEEDS_POSIX
+def test_what_the_system_says_against_a_large_file_is_told(walk: Path):
+    line = f"ulimit -f 40; {sys.executable} -m insectnav.cli map build features.npy m --descriptor own --no-pictures"
+    np.save(walk / "features.npy", np.random.default_rng(0).normal(size=(400, 64)))
+    done = subprocess.run(["sh", "-c", line], cwd=walk, capture_output=True, encoding="utf-8", timeout=120, check=False)
+    assert_refused(Outcome(done.returncode, done.stdout, done.stderr), "the map 'm' cannot be written (File too large)")
 
 
 def test_positions_by_number_are_those_of_all_frames_whatever_the_step(run, walk: Path):

@@ -183,6 +183,7 @@ def test_table_of_times_by_name_and_by_number(tmp_path: Path):
         ("time_s,x_m\n1,1\n", {"names": ["a"]}, "no column of a file"),
         ("time_s,file\n1,a\n", {"numbers": [1]}, "no column of a frame"),
         ("time_s,file\n1,a\n2,a.png\n", {"names": ["a"]}, "row 3: the frame 'a' is there twice"),
+        ("time_s,file\n1,a\n,a.png\n", {"names": ["a"]}, "row 3: the frame 'a' is there twice, at two times"),
         ("time_s,file\n1,a\n", {"names": ["b"]}, "no frame is in the table, such as 'b' here and 'a' there"),
         ("time_s,frame\n1,\n", {"numbers": [1]}, "frame"),
     ],
@@ -279,3 +280,9 @@ def test_names_of_a_walk_are_seconds_of_the_week():
     assert len(times) == 65
     assert times.min() > 0 and times.max() < 604_800
     assert np.diff(np.sort(times)).mean() == pytest.approx(4.4, abs=0.5)  # as its description has it
+
+
+def test_a_row_without_a_time_is_a_frame_whose_time_is_not_known(tmp_path: Path):
+    path = tmp_path / "times.csv"
+    path.write_text("file,time_s\na.png,1\nb.png,\nc.png,nan\nc.png,\n")
+    np.testing.assert_array_equal(times_of_frames(path, names=list("abcd")), [1, np.nan, np.nan, np.nan])

@@ -29,6 +29,8 @@ def program() -> None:
     interpreter apart at the end would take a fifth of the time.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # more of them only wait for each other
+    for library, level in (("OPENCV_LOG_LEVEL", "ERROR"), ("OPENCV_FFMPEG_LOGLEVEL", "-8")):
+        os.environ.setdefault(library, level)  # what is wrong with a film is told in one sentence, by this program
     gc.disable()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))  # so that temporary folders are removed
     try:

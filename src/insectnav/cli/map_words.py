@@ -90,7 +90,11 @@ def _scores(numbers: Mapping[str, Any]) -> list[str]:
         errors = {
             name: quantity(numbers[f"error_{name}"], numbers["unit"]) for name in ("median", "90_percent", "largest")
         }
-        lines.append("off by {median} in the median, {90_percent} in nine of ten, {largest} at most".format(**errors))
+        some, unknown = numbers["errors_known"], numbers["kept_judged"] - numbers["errors_known"]
+        lines.append(
+            "off by {median} in the median, {90_percent} in nine of ten, {largest} at most".format(**errors)
+            + (f": of {some}, as {unknown} more have no true place on their route" if unknown else "")
+        )
     return lines
 
 

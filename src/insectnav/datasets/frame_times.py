@@ -237,7 +237,8 @@ def _looked_up(path: Path, names: Names | None, numbers: ArrayLike | None) -> Fl
         ).tolist()
     time_of: dict[str | int, float] = {}
     for row, key, seconds in zip(rows, keys, time.tolist(), strict=True):
-        if time_of.setdefault(key, seconds) != seconds:
+        before = time_of.setdefault(key, seconds)
+        if before != seconds and not (np.isnan(before) and np.isnan(seconds)):
             raise InputError(f"row {row}: the frame {quoted(key)} is there twice, at two times, expected it once")
     times = np.array([time_of.get(key, np.nan) for key in wanted_keys])
     if np.isnan(times).all():

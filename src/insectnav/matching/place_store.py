@@ -164,7 +164,8 @@ def write_arrays(folder: Path, arrays: Arrays) -> None:
         chunk.parent.mkdir()
         (folder / name / "zarr.json").write_text(json.dumps(about, indent=2), encoding="utf-8")
         if values.size:
-            np.ascontiguousarray(values, values.dtype.newbyteorder("<")).tofile(chunk)
+            with chunk.open("wb") as file:  # `tofile` does not say why the system refuses
+                file.write(np.ascontiguousarray(values, values.dtype.newbyteorder("<")).data)
 
 
 def chunk_file(array: Path, n_axes: int) -> Path:

@@ -19,7 +19,7 @@ from insectnav.experiments.place_maps.opening import check_one_frame
 from insectnav.experiments.place_maps.page import lead_sentence
 from insectnav.experiments.place_maps.report import summary
 from insectnav.experiments.place_maps.truth import Truth, by_position
-from insectnav.experiments.place_maps.whereabouts import position_table, positions_by_key
+from insectnav.experiments.place_maps.whereabouts import check_clock_of_positions, position_table, positions_by_key
 from insectnav.matching.places import MapAbout, PlaceMap
 
 NO_TRUTH = "nothing is known of the truth, expected --same-index, --truth FILE, or --positions FILE with --tolerance-m"
@@ -110,6 +110,7 @@ def _truth(found: Located, params: LocateParams, about: MapAbout | None) -> Trut
     truth = truth_in_frames(found, known, is_whole_map)
     if truth is not None:
         return truth
+    check_clock_of_positions(where)
     table = position_table(where, about.origin_deg if about else None)
     if known.tolerance_m is None or where.positions is None or table is None:
         raise InputError(NO_TRUTH)

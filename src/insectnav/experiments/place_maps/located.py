@@ -202,6 +202,7 @@ def numbers(found: Located) -> dict[str, Any]:
     errors = truth.error[kept & np.isfinite(truth.error)]
     if errors.size:
         result |= {
+            "errors_known": int(errors.size),
             "error_median": float(np.median(errors)),
             "error_mean": float(errors.mean()),
             "error_90_percent": float(np.quantile(errors, 0.9)),

@@ -6,7 +6,7 @@ import io
 import secrets
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -67,7 +67,7 @@ def summary(search: Search, params: LocateParams, place_map: PlaceMap) -> dict[s
             "metric": about.metric,
             "camera": about.camera,
             **dict(about.settings),
-            **vars(search.seqslam),
+            **asdict(search.seqslam),
             "search": params.search,
             "threshold": params.threshold,
             "taken": params.frames.thinning.in_words,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_range, quoted
+from insectnav.datasets.frame_times import frame_name
 from insectnav.datasets.track_table import open_table, read_columns
 from insectnav.metrics.place_truth import true_matches_by_frames, true_matches_by_position, within
 from insectnav.metrics.retrieval import position_error
@@ -241,11 +242,14 @@ def read_pairs(
     if query is None or reference is None:
         raise InputError(f"--truth {shown} has the columns {', '.join(cells)}, expected query and reference")
     of_query, of_reference = _numbers_by_name(query_names), _numbers_by_name(reference_names)
+    slip = ": one that nothing was matched with, as --map would know?" if "" in reference_names else ""
     by_route: dict[int, dict[int, int]] = {}
     for line, own_text, text in zip(lines, cells[query], cells[reference], strict=True):
         own = _number(own_text, of_query, f"line {line} of --truth {shown} names the query")
         known = (
-            -1 if text in ("", "-1") else _number(text, of_reference, f"line {line} of --truth {shown} names the place")
+            -1
+            if text in ("", "-1")
+            else _number(text, of_reference, f"line {line} of --truth {shown} names the place", slip)
         )
         places = by_route.setdefault(own, {})
         route = NOWHERE if known < 0 else int(routes[known]) if known < len(routes) else 0
@@ -280,10 +284,10 @@ def _numbers_by_name(names: Sequence[str]) -> dict[str, Any]:
     return found
 
 
-def _number(text: str, names: Mapping[str, Any], start: str) -> int:
-    if (number := names.get(text)) is not None:
+def _number(text: str, names: Mapping[str, Any], start: str, slip: str = "") -> int:
+    if (number := names.get(text, names.get(frame_name(text)))) is not None:
         return int(number)
     try:
         return int(text)
     except ValueError:
-        raise InputError(f"{start} {quoted(text)}, expected a number from 0 or the name of one frame") from None
+        raise InputError(f"{start} {quoted(text)}, expected a number from 0 or the name of one frame{slip}") from None

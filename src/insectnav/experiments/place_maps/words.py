@@ -38,6 +38,7 @@ SAID = {  # of the numbers: what they are called, how they are written, what the
     "threshold": ("Threshold", "", "given"),
     "precision_kept": ("Precision of what is kept", ".1%", "right matches of those kept"),
     "recall_kept": ("Recall of what is kept", ".1%", "right matches kept of all queries that can be matched"),
+    "errors_known": ("Errors known", "d", "matches kept of which it is known how far off they are"),
     "error_median": ("Error, median", ".3g", "from the true place, of the matches kept"),
     "error_mean": ("Error, mean", ".3g", "of the same"),
     "error_90_percent": ("Error, 90 %", ".3g", "nine of ten matches are nearer"),
@@ -87,7 +88,7 @@ def numbers_in_words(values: Mapping[str, Any]) -> list[tuple[str, str, str]]:
         value = values.get(name)
         if value is None or (isinstance(value, float) and not np.isfinite(value)):
             continue
-        shown = quantity(value, values["unit"]) if name.startswith("error") else format(value, form)
+        shown = quantity(value, values["unit"]) if name.startswith("error_") else format(value, form)
         rows.append((title, shown, what))
     if "tolerance" in values:
         rows.append(("Tolerance", quantity(values["tolerance"], values["unit"]), "up to which a match is right"))
