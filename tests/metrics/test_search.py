@@ -175,3 +175,9 @@ def test_outer_circle_is_the_larger_one():
 def test_path_of_another_shape_is_refused(function):
     with pytest.raises(InputError, match="path"):
         function(np.zeros((5, 2)))
+
+
+def test_a_path_in_unsigned_numbers_is_the_same_path():
+    path = np.array([[(9, 9), (7, 8), (4, 8), (3, 5), (1, 2)]])
+    edges = [0.0, 100.0]
+    assert homeward_turn(path.astype(np.uint8), edges) == pytest.approx(homeward_turn(path.astype(float), edges))

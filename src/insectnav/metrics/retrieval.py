@@ -36,7 +36,7 @@ def right_matches(matched: ArrayLike, truth: ArrayLike, tolerance: float) -> Boo
     InputError
         If the arrays differ in length or the tolerance is negative.
     """
-    match, true = as_numbers("matched", matched), as_numbers("truth", truth)
+    match, true = as_numbers("matched", matched).astype(float), as_numbers("truth", truth).astype(float)
     check_shape("matched", match, ("query",))
     check_shape("truth", true, match.shape)
     check_range("tolerance", tolerance, 0.0, np.inf)
@@ -132,10 +132,8 @@ def position_error(query_position: ArrayLike, reference_position: ArrayLike, mat
     InputError
         If shapes do not go together or a match is none of the references.
     """
-    query, reference = (
-        as_numbers("query_position", query_position),
-        as_numbers("reference_position", reference_position),
-    )
+    query = as_numbers("query_position", query_position).astype(float)  # differences of unsigned numbers wrap
+    reference = as_numbers("reference_position", reference_position).astype(float)
     match = as_numbers("matched", matched)
     check_shape("query_position", query, ("query", "axis"))
     check_shape("reference_position", reference, ("reference", query.shape[1]))
@@ -143,7 +141,12 @@ def position_error(query_position: ArrayLike, reference_position: ArrayLike, mat
     check_finite("matched", match)
     check_range("matched", match, -1, len(reference) - 1, slip="matched with another map?")
     whole = match.astype(np.int64)
-    return np.where(whole >= 0, np.linalg.norm(query - reference[whole], axis=-1), np.nan)
+    if (whole != match).any():
+        row = int(np.argmax(whole != match))
+        raise InputError(f"matched is {match[row]:g} for query {row}, expected the whole number of a reference, or −1")
+    distance, is_matched = np.full(len(query), np.nan), whole >= 0
+    distance[is_matched] = np.linalg.norm(query[is_matched] - reference[whole[is_matched]], axis=-1)
+    return distance
 
 
 def _bools(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Bools:

@@ -137,4 +137,4 @@ def homeward_turn(path: ArrayLike, edges: ArrayLike, where: ArrayLike | None = N
 def _checked(path: ArrayLike) -> Reals:
     path = np.asarray(path)
     check_shape("path", path, ("trial", "step", 2))
-    return path
+    return path if path.dtype.kind == "f" else path.astype(float)  # differences of unsigned numbers wrap
