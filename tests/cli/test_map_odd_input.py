@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 from command_line import NEEDS_POSIX, Outcome, assert_refused, command, strict, table
+from insectnav.matching.places import PlaceMap
 from place_scenes import N_FRAMES, robot_recording, views, write_pictures
+from uneven_films import uneven_film
 
 MATCHES = "query,name,reference,reference_name,route,score,has_sequence\n"
 
@@ -70,7 +72,7 @@ def test_matches_without_a_true_place_are_not_left_out_of_errors_unsaid(run, wal
     write_pictures(walk / "one", views()[:1])
     assert run("map", "build", "one", "m").code == 0
     done = run("map", "locate", "m", "summer", "--sequence-length", "1", "--same-index")
-    assert f"frame at most: of 1, as {N_FRAMES - 1} more have no true place on their route" in done.out.replace("s at", " at")
+    assert f"frames at most: of 1, as {N_FRAMES - 1} more have no true place on their route" in done.out
 
 
 def test_settings_that_are_told_are_those_that_may_be_given(run, walk: Path):
@@ -79,6 +81,43 @@ def test_settings_that_are_told_are_those_that_may_be_given(run, walk: Path):
     told = strict(run("map", "locate", "route", "winter", "--out", "m.csv", "--json").out)["settings"]
     assert set(told) >= {"sequence_length", "slowest", "fastest", "contrast_window", "unique_window"}
     assert "offsets" not in told
+
+
+def test_a_film_of_uneven_rate_is_where_it_was_at_its_own_times(run, walk: Path):
+    """A telephone that slows down: by the mean rate, frame 10 would be 1.2 s and 12 m late."""
+    seconds = np.repeat([0.1, 0.5, 0.1], 10)
+    uneven_film(walk / "walk.mp4", views()[:30], seconds)
+    (walk / "track.csv").write_text("time_s,x_m,y_m\n100,0,0\n110,100,0\n")
+    where = ("--positions", "track.csv", "--max-gap", "20")
+    done = strict(run("map", "build", "walk.mp4", "m", *where, "--time-offset", "100", "--json").out)
+    assert (done["with_time"], done["with_position"], done["notes"]) == (30, 30, [])
+    place_map = PlaceMap.open(walk / "m")
+    times = np.cumsum([0.0, *seconds[:-1]])
+    np.testing.assert_allclose(place_map.times - 100, times, atol=1e-3)
+    np.testing.assert_allclose(place_map.positions[:, 0], 10 * times, atol=1e-2)
+    assert_refused(run("map", "build", "walk.mp4", "other", *where), "the times of the frames run from 0 to 6.")
+    (walk / "numbers.csv").write_text("frame,x_m,y_m\n" + "".join(f"{k},{k},0\n" for k in range(30)))
+    assert run("map", "build", "walk.mp4", "n", "--positions", "numbers.csv", "--every-s", "0.4").code == 0
+    spread = PlaceMap.open(walk / "n")
+    np.testing.assert_allclose(spread.times, times[spread.positions[:, 0].astype(int)], atol=1e-3)
+    assert np.diff(spread.times).min() > 0.39
+
+
+def test_a_film_that_breaks_off_is_told_to_be_shorter_than_it_says(run, walk: Path):
+    writer = cv2.VideoWriter(str(walk / "whole.avi"), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (96, 48))
+    for picture in views()[:30]:
+        writer.write(np.dstack([picture] * 3))
+    writer.release()
+    whole = (walk / "whole.avi").read_bytes()
+    (walk / "half.avi").write_bytes(whole[: len(whole) // 2])
+    assert strict(run("map", "build", "whole.avi", "w", "--json").out)["notes"] == []
+    for more, said in (((), 30), (("--step", "2"), 15)):
+        done = strict(run("map", "build", "half.avi", f"m{said}", *more, "--json").out)
+        assert 1 < done["places"] < said
+        words = f"'half.avi' should give {said} frames, {done['places']} could be read: cut short, or damaged?"
+        assert done["notes"] == [words]
+    assert words in strict(run("map", "locate", "w", "half.avi", "--step", "2", "--sequence-length", "2",
+                               "--out", "m.csv", "--json").out)["notes"]  # fmt: skip
 
 
 def test_a_damaged_film_is_told_in_one_sentence_alone(walk: Path):

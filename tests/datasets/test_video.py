@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from insectnav.checks import InputError
-from insectnav.datasets.video import video_facts, video_frames
+from insectnav.datasets.video import timed_video_frames, video_facts, video_frames
+from uneven_films import uneven_film
 
 
 def written(path: Path, n_frames: int = 12) -> Path:
@@ -41,3 +42,15 @@ def test_what_is_no_video_is_refused(tmp_path: Path):
             list(video_frames(path))
     with pytest.raises(InputError, match="step"):
         list(video_frames(written(tmp_path / "c.avi"), 0))
+
+
+def test_frames_have_the_times_at_which_the_file_has_them_shown(tmp_path: Path):
+    even = [time for _, time, _ in timed_video_frames(written(tmp_path / "a.avi"))]
+    assert even == [k / 10 for k in range(12)]
+    seconds = [0.1] * 4 + [0.5] * 4 + [0.04] * 4
+    path = uneven_film(
+        tmp_path / "b.mp4", np.arange(12, dtype=np.uint8)[:, None, None] + np.zeros((48, 64), np.uint8), seconds
+    )
+    found = list(timed_video_frames(path))
+    np.testing.assert_allclose([time for _, time, _ in found], np.cumsum([0, *seconds[:-1]]), atol=1e-3)
+    assert [(number, time) for number, time, _ in timed_video_frames(path, 5)] == [found[k][:2] for k in (0, 5, 10)]

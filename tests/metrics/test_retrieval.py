@@ -109,7 +109,7 @@ def test_numbers_of_any_type_are_subtracted_as_numbers(kind: str):
 
 def test_nothing_is_matched_with_a_map_without_places_or_with_a_part_of_a_place():
     assert_array_equal(position_error(np.zeros((2, 2)), np.ones((0, 2)), [-1, -1]), [np.nan, np.nan])
-    with pytest.raises(InputError, match="matched is 0.5 for query 1, expected the whole number of a reference"):
+    with pytest.raises(InputError, match=r"matched is 0\.5 for query 1, expected the whole number of a reference"):
         position_error(np.zeros((2, 2)), np.ones((3, 2)), [1, 0.5])
 
 

@@ -40,6 +40,14 @@ def video_facts(path: str | os.PathLike[str]) -> VideoFacts:
         )
 
 
+class VideoFrame(NamedTuple):
+    """A frame of a video."""
+
+    number: int  # from 0
+    time: float  # [s] after the first, at which the file has it shown: not at an even rate in films of telephones
+    picture: NDArray[np.uint8]  # (rows, columns, 3) red, green, blue
+
+
 def video_frames(path: str | os.PathLike[str], step: int = 1) -> Iterator[tuple[int, NDArray[np.uint8]]]:
     """Number, from 0, and picture (rows, columns, 3) red, green, blue of every `step`-th frame.
 
@@ -48,17 +56,31 @@ def video_frames(path: str | os.PathLike[str], step: int = 1) -> Iterator[tuple[
     InputError
         If the file cannot be opened as a video, or holds no frame that can be decoded.
     """
+    return ((frame.number, frame.picture) for frame in timed_video_frames(path, step))
+
+
+def timed_video_frames(path: str | os.PathLike[str], step: int = 1) -> Iterator[VideoFrame]:
+    """Every `step`-th frame, with its time; at the rate of the video where frames have no times of their own.
+
+    Raises
+    ------
+    InputError
+        As of `video_frames`.
+    """
     import cv2
 
     check_count("step", step)
     with closing(_Capture(path)) as capture:
-        number = 0
+        number, rate = 0, float(capture.get(cv2.CAP_PROP_FPS))
         while capture.source.grab():
             if number % step == 0:
                 is_there, frame = capture.source.retrieve()
                 if not is_there:
                     break
-                yield number, np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8)
+                time = round(float(capture.get(cv2.CAP_PROP_POS_MSEC)), 3) / 1000  # of which nothing is finer
+                if number and not time > 0:
+                    time = number / rate if rate > 0 else float("nan")
+                yield VideoFrame(number, time, np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8))
             number += 1
         if number == 0:
             raise InputError(f"{quoted(Path(path).name, 200)} holds no frame that can be decoded: truncated?")

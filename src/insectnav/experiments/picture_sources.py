@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError
 from insectnav.datasets.image_folder import VIDEOS, FoundImages, read_image
-from insectnav.datasets.video import video_facts, video_frames
+from insectnav.datasets.video import timed_video_frames, video_facts
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -20,12 +20,16 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """One picture to come: what to call its results, the file, whether it is a frame, and what reads it."""
+    """One picture to come: what to call its results, the file, whether it is a frame, what reads it, and its time.
+
+    The time of a frame is in seconds after the first of its video; that of a picture is NaN.
+    """
 
     name: str
     file: Path
     is_frame: bool
     read: Callable[[], NDArray[Any]]
+    time: float = float("nan")
 
 
 def sources(found: FoundImages, step: int) -> Iterator[Source]:
@@ -42,8 +46,9 @@ def sources(found: FoundImages, step: int) -> Iterator[Source]:
             yield Source(name=name, file=path, is_frame=False, read=partial(read_image, path))
             continue
         try:
-            for number, frame in video_frames(path, step):
-                yield Source(name=f"{name}_{number:06d}", file=path, is_frame=True, read=partial(given, frame))
+            for number, time, picture in timed_video_frames(path, step):
+                read = partial(given, picture)
+                yield Source(name=f"{name}_{number:06d}", file=path, is_frame=True, read=read, time=time)
         except InputError as error:
             yield Source(name=name, file=path, is_frame=True, read=partial(given, error))
 
@@ -57,10 +62,11 @@ def given(value: Any) -> Any:
 
 def count_pictures(found: FoundImages, step: int) -> int:
     """How many pictures are to come, as far as the files say."""
-    return sum(_count(path, step) for path in found.files)
+    return sum(count_frames_of(path, step) for path in found.files)
 
 
-def _count(path: Path, step: int) -> int:
+def count_frames_of(path: Path, step: int) -> int:
+    """How many pictures are to come from a file, as far as it says: one, or every `step`-th frame."""
     if path.suffix.lower() not in VIDEOS:
         return 1
     try:

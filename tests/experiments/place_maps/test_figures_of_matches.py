@@ -52,7 +52,8 @@ def test_precision_is_drawn_over_all_of_the_recall_that_its_area_counts():
 
 def test_where_nothing_is_found_no_legend_is_asked_for():
     nowhere = np.full(4, -1)
-    figure = draw_precision(located(nowhere, None, from_pairs(nowhere, {0: (0,)}, 1.0, "by hand", np.zeros(10, np.int64))))
+    truth = from_pairs(nowhere, {0: (0,)}, 1.0, "by hand", np.zeros(10, np.int64))
+    figure = draw_precision(located(nowhere, None, truth))
     assert figure is not None  # and no warning, which is an error here
     assert figure.axes[1].get_legend() is None
 

@@ -80,7 +80,7 @@ def test_the_table_has_the_fraction_of_a_true_place():
 def test_frames_are_counted_along_one_route_alone():
     """Neighbours by number may be a whole route apart: the last place of one and the first of the next."""
     routes = np.repeat([0, 1], 5)
-    truth = from_pairs(np.array([5, 4, 6, 9, -1]), {k: (4,) for k in range(5)}, 2.0, "by hand", routes)
+    truth = from_pairs(np.array([5, 4, 6, 9, -1]), dict.fromkeys(range(5), (4,)), 2.0, "by hand", routes)
     assert_array_equal(truth.is_right, [False, True, False, False, False])
     assert_array_equal(truth.error, [np.nan, 0, np.nan, np.nan, np.nan])
     assert truth.is_known.all() and truth.is_in_map.all()
@@ -103,7 +103,7 @@ def test_pairs_give_one_place_on_a_route(tmp_path):
     assert read_pairs(path, *names, routes) == {0: (1, 7), 1: ()}
     for more in ("0,2\n", "0,-1\n", "1,3\n"):
         path.write_text("query,reference\n0,1\n0,7\n1,\n" + more)
-        with pytest.raises(InputError, match="line 5 of .* another place than a line above, expected one for each on"):
+        with pytest.raises(InputError, match=r"line 5 of .* another place than a line above, expected one for each on"):
             read_pairs(path, *names, routes)
 
 

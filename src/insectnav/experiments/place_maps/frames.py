@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 import os
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -17,7 +18,7 @@ from insectnav.checks import InputError, check_count, check_range, counted, quot
 from insectnav.datasets.clocks import rounding_of
 from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS, find_images, named, natural_order
 from insectnav.datasets.video import video_facts
-from insectnav.experiments.picture_sources import count_pictures, given, sources
+from insectnav.experiments.picture_sources import count_frames_of, count_pictures, given, sources
 
 Reals = NDArray[np.floating[Any]]
 ARRAYS = (".npy", ".zarr")
@@ -28,6 +29,7 @@ VECTORS_AT_ONCE = 256
 SAFE_CODECS = frozenset(  # of zarr; others may run what is in a file, as pickle does
     {"bytes", "transpose", "sharding_indexed", "crc32c", "blosc", "zstd", "gzip", "zlib", "lz4", "bz2", "lzma"}
 )
+SOUND = 0.98  # share of the frames that a film says it has, and has if it is sound; some tell about how many; assumed
 MAX_FILES = 10_000_000  # of a pattern
 NOWHERE: Reals = np.full(3, np.nan)
 
@@ -228,10 +230,16 @@ def _of_pictures(paths: list[Path], step: int) -> FrameSource:
         )
     is_one = len(found.files) == 1
     step = step if is_one else 1
+    remarks: list[str] = []
 
     def frames() -> Iterator[Frame]:
+        seen: Counter[Path] = Counter()
         for number, source in enumerate(sources(found, step)):
-            yield Frame(name=source.name, number=number * step, read=source.read)
+            seen[source.file] += 1
+            time = source.time if is_one else float("nan")  # of several films each begins at 0
+            yield Frame(name=source.name, number=number * step, read=source.read, time=time)
+        remarks.extend(_cut_short(film, seen[film], step) for film in films)
+        remarks[:] = filter(None, remarks)
 
     return FrameSource(
         frames=frames(),
@@ -240,7 +248,16 @@ def _of_pictures(paths: list[Path], step: int) -> FrameSource:
         skipped=found.skipped,
         frame_rate=_frame_rate(films[0]) if is_one else float("nan"),
         step=step,
+        remarks=remarks,
     )
+
+
+def _cut_short(film: Path, n_seen: int, step: int) -> str:
+    """That much of a film could not be read, if so."""
+    said = count_frames_of(film, step)
+    if n_seen >= SOUND * said - 1:
+        return ""
+    return f"{quoted(film.name, 200)} should give {said} frames, {n_seen} could be read: cut short, or damaged?"
 
 
 def _frame_rate(path: Path) -> float:

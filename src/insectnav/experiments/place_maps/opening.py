@@ -61,7 +61,7 @@ class Opened:
     @property
     def notes(self) -> list[str]:
         """What a person must know once the frames have been read, but for what is said of each."""
-        said = list(self.file_notes)
+        said = [*self.file_notes, *self.source.remarks]
         if self.left_out:
             lack = "position" if self.thinning.every_m is not None else "time"
             some = counted(len(self.left_out), f"frame without a known {lack} is", f"frames without a known {lack} are")

@@ -130,9 +130,7 @@ def from_pairs(
     )
 
 
-def between_key_frames(
-    matched: Integers, key_frames: Reals, tolerance: float, source: str, routes: Integers
-) -> Truth:
+def between_key_frames(matched: Integers, key_frames: Reals, tolerance: float, source: str, routes: Integers) -> Truth:
     """Truth between frames that a person has matched; queries before the first and after the last are not judged.
 
     Nor are those between key frames of two routes, which no line leads from one to the other.

@@ -88,25 +88,38 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
         check_clock_of_positions(where)
     table = position_table(where, origin_deg)
     if source.kind == "bag":
-        return _of_recording(source, where, table)
+        _check_recording(where, table)
+        return _by_own_times(source, where, table)
     if where.time_offset_s and where.times is None and not source.has_times:
         raise InputError("--time-offset is given without --times, expected to know when the frames were taken")
-    if where.times is None and table is None and not np.isfinite(source.frame_rate):
+    if where.times is None and table is None and not source.has_times:
         return Placed(source, None, ())
     if source.kind == "films" or not source.total:
         raise InputError("--times and --positions want one film alone, or pictures alone, whose number is known")
     numbers = np.arange(source.total) * source.step
     times = _times(source, where, numbers)
+    if source.has_times and where.times is None and (table is None or table.time is not None):
+        if table is not None:  # refused at once, by times at an even rate, where clocks are not the same
+            positions_of_frames(table, times=times, max_gap_s=where.max_gap_s)
+        return _by_own_times(source, where, table)
+    return _by_given_times(source, where, table, times, numbers)
+
+
+def _by_given_times(
+    source: FrameSource, where: Whereabouts, table: Positions | None, times: Reals | None, numbers: NDArray[np.int64]
+) -> Placed:
+    """Frames whose times, names or numbers are all known before one is read."""
     if times is not None:
         _check_forwards(times, source)
     places = None if table is None else _positions(source, where, table, times, numbers)
+    is_own = source.has_times and where.times is None
 
     def frames() -> Iterator[Frame]:
         for k, frame in enumerate(source.frames):
             is_counted = k < source.total  # a film may hold more frames than it says
             time = float(times[k]) if times is not None and is_counted else float("nan")
             position = places[k] if places is not None and is_counted else NOWHERE
-            yield replace(frame, time=time, position=position)
+            yield replace(frame, time=frame.time + where.time_offset_s if is_own else time, position=position)
 
     if table is None or places is None:
         return Placed(replace(source, frames=frames()), None, ())
@@ -246,12 +259,16 @@ def _check_no_gap(where: Whereabouts, key: str) -> None:
         )
 
 
-def _of_recording(source: FrameSource, where: Whereabouts, table: Positions | None) -> Placed:
-    """Frames of a robot's recording, which come with times."""
+def _check_recording(where: Whereabouts, table: Positions | None) -> None:
+    """Refuse what does not go with a robot's recording, whose frames come with times."""
     if where.times is not None:
         raise InputError("--times is given, expected none with the recording of a robot, which has its own")
     if table is not None and table.time is None:
         raise InputError(f"{quoted(where.positions, 200)} has no times, expected some for the recording of a robot")
+
+
+def _by_own_times(source: FrameSource, where: Whereabouts, table: Positions | None) -> Placed:
+    """Frames of a recording or a film, which tell their times as they are read."""
     times: list[float] = []
     notes = list(table.notes) if table is not None else []
 
@@ -266,7 +283,6 @@ def _of_recording(source: FrameSource, where: Whereabouts, table: Positions | No
                     place = positions_of_frames(table, times=np.array(times[-1:]), max_gap_s=where.max_gap_s)[0]
             is_placed |= bool(np.isfinite(place[:2]).all())
             yield replace(frame, time=times[-1], position=place)
-        notes.extend(source.remarks)
         notes.extend(_remarks_on_recording(np.array(times), table, is_placed, where))
 
     return Placed(replace(source, frames=frames()), None if table is None else table.origin_deg, notes)
@@ -283,3 +299,5 @@ def _remarks_on_recording(times: Reals, table: Positions | None, is_placed: bool
             positions_of_frames(table, times=times, max_gap_s=where.max_gap_s)
         except InputError as error:
             yield f"no frame has a position: {error}"
+        else:
+            yield from _remarks(np.full((1, 3), np.nan), where)
