@@ -124,7 +124,8 @@ def matches_of_differences(
         found[task] = search_piece(piece, contrast, params)
 
     run_blocks(run, len(pieces), 1, workers)
-    return matches_of_lines(join_pieces(found, params), ~np.isnan(rows).all(axis=1), params)
+    is_seen = np.asarray(~np.isnan(rows).all(axis=1))
+    return matches_of_lines(join_pieces(found, params), is_seen, params)
 
 
 def lines_of_pieces(

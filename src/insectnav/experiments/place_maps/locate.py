@@ -280,7 +280,7 @@ def truth_in_frames(found: Located, known: TruthParams, is_whole_map: bool) -> T
     if known.key_frames is not None:
         keys = read_key_frames(known.key_frames)
         source = f"straight lines between the key frames of {os.path.basename(known.key_frames)} (--key-frames)"
-        routes = routes_up_to(np.max(keys[:, 1], where=np.isfinite(keys[:, 1]), initial=-1))
+        routes = routes_up_to(float(np.max(keys[:, 1], where=np.isfinite(keys[:, 1]), initial=-1)))
         return between_key_frames(found.reference, keys, known.tolerance, source, routes)
     return None
 
