@@ -17,7 +17,8 @@ BUILD = ["map", "build", "summer", "new"]
 LOCATE = ["map", "locate", "route", "winter"]
 USED_WITH_A_TABLE = {  # by docs/map.md: what judges, and what is known of the queries
     *(name for name, *_ in map_options.TRUTH),
-    *("--positions", "--position-columns", "--position-topic", "--max-gap", "--threshold", "--json"),
+    *("--positions", "--position-columns", "--position-topic", "--max-gap", "--clock", "--first-day"),
+    *("--threshold", "--json"),
 }
 VALUES = {int | None: "3", float | None: "2", str | None: "x"}
 
@@ -53,7 +54,7 @@ def test_what_says_how_frames_are_matched_is_refused_with_a_table(run, option):
 
 
 def test_every_option_of_frames_has_its_reason():
-    assert {field_of(name) for name, *_ in OF_FRAMES} == {field_of(name) for name in with_a_table({})}
+    assert {field_of(name) for name, *_ in OF_FRAMES} == {field_of(name) for name in with_a_table({"positions": "p"})}
 
 
 @pytest.mark.parametrize(
@@ -61,6 +62,8 @@ def test_every_option_of_frames_has_its_reason():
     [
         ([*TABLE, "--positions", "where.csv"], "--positions is given with a table of matches and --same-index"),
         ([*TABLE, "--max-gap", "3"], "--max-gap is given without --positions, expected both"),
+        ([*TABLE, "--clock", "bag"], "--clock is given with a table of matches and no --positions, expected both"),
+        ([*TABLE, "--first-day", "2024-02-29"], "--first-day is given without --positions, expected both"),
         ([*FRAMES, "--map", "route"], "--map is given with a map and frames, expected it with a table"),
         ([*FRAMES, "--positions", "where.csv"], "--positions is given with --same-index, expected one kind of truth"),
         ([*BUILD, "--max-gap", "3"], "--max-gap is given without --positions, expected both"),

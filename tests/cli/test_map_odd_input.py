@@ -3,6 +3,9 @@
 import sqlite3
 import subprocess
 import sys
+from datetime import UTC, datetime, timedelta
+from functools import reduce
+from operator import xor
 from pathlib import Path
 
 import cv2
@@ -81,6 +84,34 @@ def test_settings_that_are_told_are_those_that_may_be_given(run, walk: Path):
     told = strict(run("map", "locate", "route", "winter", "--out", "m.csv", "--json").out)["settings"]
     assert set(told) >= {"sequence_length", "slowest", "fastest", "contrast_window", "unique_window"}
     assert "offsets" not in told
+
+
+def test_a_log_of_times_of_day_alone_needs_a_date(run, walk: Path):
+    start = datetime(2024, 2, 29, 23, 59, 50, tzinfo=UTC)
+
+    def sentence(k: int, kind: str, ending: str) -> str:
+        body = f"GP{kind},{start + timedelta(seconds=k):%H%M%S}.00,{ending}"
+        return f"${body}*{reduce(xor, body.encode()):02X}\n"
+
+    log = "".join(sentence(k, "GGA", f"51{k / 1000:010.7f},N,00000.0,E,1,08,1,12.0,M,0,M,,") for k in range(N_FRAMES))
+    (walk / "log.nmea").write_text(log)
+    (walk / "times.csv").write_text(
+        "file,time_s\n" + "".join(f"frame{k},{start.timestamp() + k}\n" for k in range(N_FRAMES))
+    )
+    build = ("map", "build", "summer", "m", "--times", "times.csv", "--positions", "log.nmea")
+    assert_refused(
+        run(*build), "'log.nmea' tells of no position when it was, expected times: a log of times of day alo"
+    )
+    assert_refused(run(*build, "--first-day", "29.2.2024"), "--first-day is '29.2.2024', expected a date as 2014-05-06")
+    assert_refused(run(*build[:-1], "times.csv", "--first-day", "2024-02-29"), "expected it with the log of a receiver")
+    assert_refused(run(*build[:4], "--first-day", "2024-02-29"), "--first-day is given without --positions")
+    done = strict(run(*build, "--first-day", "2024-02-29", "--json").out)
+    assert (done["with_position"], done["spacing_m"]) == (N_FRAMES, pytest.approx(1.854, abs=1e-3))  # 0.001' of 51° N
+    dated = sentence(0, "RMC", "A,5100.0,N,00000.0,E,1,0,290224,,") + log
+    (walk / "log.nmea").write_text(dated)
+    assert_refused(
+        run(*build[:3], "n", *build[4:], "--first-day", "2024-02-29"), "which tells its dates, expected none"
+    )
 
 
 def test_a_film_of_uneven_rate_is_where_it_was_at_its_own_times(run, walk: Path):

@@ -168,7 +168,8 @@ def _where(given: Mapping[str, Any]) -> "Whereabouts":
 
     columns = given["position_columns"]
     names = {
-        "times": "times", "positions": "positions", "clock": "clock", "position_topic": "position_topic",
+        "times": "times", "positions": "positions", "position_topic": "position_topic", "clock": "clock",
+        "first_day": "first_day",
         "time_offset_s": "time_offset", "utc_offset_h": "utc_offset", "max_gap_s": "max_gap",
     }  # fmt: skip
     listed = None if columns is None else tuple(name.strip() for name in columns.split(","))

@@ -46,7 +46,7 @@ def without_what_they_need(given: Given) -> Reasons:
     """
     reasons: dict[str, str] = {}
     if not is_given(given, "--positions"):
-        alone = ("--position-columns", "--position-topic", "--max-gap")
+        alone = ("--position-columns", "--position-topic", "--max-gap", "--first-day")
         reasons |= dict.fromkeys(alone, "without --positions, expected both")
     if given.get("times") not in ("names", "exif"):
         reasons["--utc-offset"] = "without --times names or exif, expected it with clocks that name no time zone"
@@ -78,6 +78,8 @@ def with_a_table(given: Given) -> Reasons:
     reasons |= dict.fromkeys([name for name in _names(MATCH) if name != "--threshold"], done("were matched"))
     reasons |= dict.fromkeys([*_names(THIN), "--topic", "--workers"], done("were read"))
     reasons |= dict.fromkeys(CLOCK_OPTIONS, done("were given their times"))
+    if not is_given(given, "--positions"):
+        reasons["--clock"] = "with a table of matches and no --positions, expected both"
     if truth := _truth_in_frames(given):
         reasons["--positions"] = f"with a table of matches and {truth}, expected one kind of truth"
     return reasons

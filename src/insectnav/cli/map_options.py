@@ -28,6 +28,7 @@ WHERE: tuple[Option, ...] = (
     ("--times", TEXT, "When they were taken: CSV, their names, EXIF, or frames a second", "", "FILE|names|exif|RATE"),
     ("--time-offset", NUMBER, "Added to the times of the frames [s]", "0", None),
     ("--utc-offset", NUMBER, "Of clocks that name no time zone [h]", "0", None),
+    ("--first-day", TEXT, "Of the log of a receiver that tells times of day alone, as 2014-05-06 (UTC)", "", "DATE"),
     ("--max-gap", NUMBER, "Between two positions that is bridged [s]", "3", None),
     ("--clock", TEXT, "Of the recording of a robot: stamp, when a message was made, or bag, when it arrived", "stamp",
      None),

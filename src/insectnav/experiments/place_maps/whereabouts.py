@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from datetime import date
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -34,6 +35,7 @@ class Whereabouts:
     columns : of a table of positions without a header
     position_topic : of the positions in the recording of a robot; None for the only one
     clock : of the recording of a robot, "stamp" or "bag": see `insectnav.datasets.ros_bag`; None for "stamp"
+    first_day : date of the log of a receiver that tells times of day alone, as 2014-05-06 [UTC]
     time_offset_s : added to the times of the frames [s]
     utc_offset_h : of clocks without time zone [h]
     max_gap_s : between two positions that is bridged [s]
@@ -41,7 +43,7 @@ class Whereabouts:
     Raises
     ------
     InputError
-        If the offset is no time, or the clock unknown.
+        If the offset is no time, the first day no date, or the clock unknown.
     """
 
     times: str | None = None
@@ -49,6 +51,7 @@ class Whereabouts:
     columns: tuple[str, ...] | None = None
     position_topic: str | None = None
     clock: str | None = None
+    first_day: str | None = None
     time_offset_s: float = 0.0
     utc_offset_h: float = 0.0
     max_gap_s: float = MAX_GAP_S
@@ -57,6 +60,15 @@ class Whereabouts:
         check_range("time-offset", self.time_offset_s, -1e11, 1e11, "s")
         if self.clock is not None:
             check_choice("clock", self.clock, CLOCKS)
+        if self.first_day is not None:
+            _date(self.first_day)
+
+
+def _date(text: str) -> date:
+    try:
+        return date.fromisoformat(text)
+    except ValueError:
+        raise InputError(f"--first-day is {quoted(text)}, expected a date as 2014-05-06") from None
 
 
 class Placed(NamedTuple):
@@ -163,15 +175,48 @@ def position_table(where: Whereabouts, origin_deg: Origin) -> Positions | None:
                 raise InputError(f"{option} is given without --positions, expected both")
         return None
     path = Path(where.positions)
-    if where.columns is not None and (is_bag(path) or is_gps(path)):
-        raise InputError(f"--position-columns is given with {quoted(path, 200)}, which is no table, expected one")
+    if is_gps(path) and not is_bag(path):
+        return _dated_positions(path, where, origin_deg)
+    if where.first_day is not None:
+        raise InputError(f"--first-day is given with {quoted(path, 200)}, expected it with the log of a receiver alone")
+    if where.columns is not None and is_bag(path):
+        raise InputError(_no_table(path))
     if is_bag(path):
         from insectnav.datasets.ros_bag import bag_positions
 
         return bag_positions(path, where.position_topic, clock=where.clock or STAMP, origin_deg=origin_deg)
     if where.position_topic is not None:
-        raise InputError("--position-topic is given, expected it with positions in the recording of a robot alone")
+        raise InputError(_no_recording())
     return read_positions(path, columns=where.columns, origin_deg=origin_deg)
+
+
+def _dated_positions(path: Path, where: Whereabouts, origin_deg: Origin) -> Positions:
+    """Positions of a GPX file or the log of a receiver, with the date that it lacks."""
+    if where.columns is not None:
+        raise InputError(_no_table(path))
+    if where.position_topic is not None:
+        raise InputError(_no_recording())
+    table = read_positions(path, origin_deg=origin_deg)
+    if table.time is not None and np.isfinite(table.time).any():
+        if where.first_day is not None:
+            raise InputError(f"--first-day is given with {quoted(path, 200)}, which tells its dates, expected none")
+        return table
+    if where.first_day is not None:
+        table = read_positions(path, origin_deg=origin_deg, first_day=_date(where.first_day))
+    if table.time is None or not np.isfinite(table.time).any():
+        raise InputError(
+            f"{quoted(path, 200)} tells of no position when it was, expected times: a log of times of day alone, for "
+            "which --first-day gives the date, or a track that was saved without times?"
+        )
+    return table
+
+
+def _no_table(path: Path) -> str:
+    return f"--position-columns is given with {quoted(path, 200)}, which is no table, expected one"
+
+
+def _no_recording() -> str:
+    return "--position-topic is given, expected it with positions in the recording of a robot alone"
 
 
 def _times(source: FrameSource, where: Whereabouts, numbers: NDArray[np.int64]) -> Reals | None:
