@@ -1,5 +1,6 @@
 """`insectnav map` with tables from spreadsheets, patterns, steps and frames that tell nothing."""
 
+import os
 import sqlite3
 import subprocess
 import sys
@@ -84,6 +85,19 @@ def test_settings_that_are_told_are_those_that_may_be_given(run, walk: Path):
     told = strict(run("map", "locate", "route", "winter", "--out", "m.csv", "--json").out)["settings"]
     assert set(told) >= {"sequence_length", "slowest", "fastest", "contrast_window", "unique_window"}
     assert "offsets" not in told
+
+
+@NEEDS_POSIX
+def test_pictures_whose_names_are_no_utf_8_are_frames_like_others(run, walk: Path):
+    folder = walk / os.fsdecode(b"Stra\xdfe")  # as older cameras and computers wrote it
+    folder.mkdir()
+    for k, picture in enumerate(views()[:15]):
+        (folder / os.fsdecode(b"\xfc%02d.png" % k)).write_bytes(cv2.imencode(".png", picture)[1].tobytes())
+    assert run("map", "build", str(folder), "m").code == 0
+    assert PlaceMap.open(walk / "m").names[:2] == ("\ufffd00", "\ufffd01")
+    found = strict(run("map", "locate", "m", str(folder), "--same-index", "--sequence-length", "4", "--json").out)
+    assert (found["numbers"]["right"], found["matches"][7]["reference_name"]) == (11, "\ufffd07")
+    assert (walk / found["files"]["page to look at"]).exists()
 
 
 def test_a_log_of_times_of_day_alone_needs_a_date(run, walk: Path):

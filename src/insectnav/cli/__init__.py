@@ -1,6 +1,7 @@
 """The command line: how the program starts and ends. What it does is in `insectnav.cli.commands`."""
 
 import gc
+import io
 import os
 import signal
 import sys
@@ -19,6 +20,8 @@ def main(figure: object = None) -> None:
     """
     from insectnav.cli.commands import run_command
 
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # of names of files that are no UTF-8
     sys.exit(run_command(figure))
 
 

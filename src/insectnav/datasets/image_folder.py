@@ -137,6 +137,16 @@ def read_image(path: str | os.PathLike[str]) -> Picture:
     return decoded_image(_bytes(place, name), name)
 
 
+def as_text(name: str) -> str:
+    """A name of a file in characters that can be written: bytes that are no UTF-8 become a mark.
+
+    Parameters
+    ----------
+    name : as the system gives it
+    """
+    return name.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+
+
 def decoded_image(data: bytes, name: str) -> Picture:
     """A picture of the bytes of a file, as `read_image` gives it.
 

@@ -191,8 +191,9 @@ def _refill(final: Path, temporary: Path, old: Path) -> None:
 
 
 def to_json(value: Any) -> str:
-    """Strict JSON, indented: NumPy numbers as numbers, NaN and infinity as null."""
-    return json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    """Strict JSON, indented: NumPy numbers as numbers, NaN and infinity as null, names that are no UTF-8 escaped."""
+    text = json.dumps(plain(value), indent=2, ensure_ascii=False, allow_nan=False)
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def plain(value: Any) -> Any:

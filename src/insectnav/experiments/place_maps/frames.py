@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_count, check_range, counted, quoted
 from insectnav.datasets.clocks import rounding_of
-from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS, find_images, named, natural_order
+from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS, as_text, find_images, named, natural_order
 from insectnav.datasets.video import video_facts
 from insectnav.experiments.picture_sources import count_frames_of, count_pictures, given, sources
 
@@ -223,7 +223,8 @@ def _of_pictures(paths: list[Path], step: int) -> FrameSource:
     films = [path for path in found.files if path.suffix.lower() in VIDEOS]
     if not films:
         listed = [
-            Frame(name=source.name, number=number, read=source.read) for number, source in enumerate(sources(found, 1))
+            Frame(name=as_text(source.name), number=number, read=source.read)
+            for number, source in enumerate(sources(found, 1))
         ]
         return FrameSource(
             frames=iter(listed), total=len(listed), kind="pictures", skipped=found.skipped, files=found.files
@@ -237,7 +238,7 @@ def _of_pictures(paths: list[Path], step: int) -> FrameSource:
         for number, source in enumerate(sources(found, step)):
             seen[source.file] += 1
             time = source.time if is_one else float("nan")  # of several films each begins at 0
-            yield Frame(name=source.name, number=number * step, read=source.read, time=time)
+            yield Frame(name=as_text(source.name), number=number * step, read=source.read, time=time)
         remarks.extend(_cut_short(film, seen[film], step) for film in films)
         remarks[:] = filter(None, remarks)
 
@@ -282,7 +283,7 @@ def _of_array(path: Path) -> FrameSource:
             f"{quoted(path.name, 200)} holds {counted(n_vectors, 'vector')} of {counted(array.shape[1], 'feature')}, "
             f"expected at most {MAX_VECTORS:.0e} of {MAX_FEATURES:.0e}"
         )
-    stem = path.stem
+    stem = as_text(path.stem)
 
     def frames() -> Iterator[Frame]:
         for first in range(0, n_vectors, VECTORS_AT_ONCE):  # a chunk of a zarr array is not read for each of its rows
@@ -334,7 +335,7 @@ def _of_bag(path: Path, topic: str | None, clock: str | None) -> FrameSource:
         for number, frame in enumerate(bag_frames(path, topic, clock=clock or STAMP)):
             if frame.remark and frame.remark not in remarks:
                 remarks.append(frame.remark)
-            yield Frame(name=f"{path.stem}_{number:06d}", number=number, read=frame.read, time=frame.time)
+            yield Frame(name=f"{as_text(path.stem)}_{number:06d}", number=number, read=frame.read, time=frame.time)
 
     return FrameSource(frames=frames(), total=0, kind="bag", remarks=remarks)
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from insectnav.checks import InputError, quoted
+from insectnav.datasets.image_folder import as_text
 from insectnav.experiments.figures import save_figure
 from insectnav.experiments.place_maps import figures
 from insectnav.experiments.place_maps.describe import ROTATED, TURNED
@@ -210,7 +211,7 @@ def page_text(search: Search, params: LocateParams, place_map: PlaceMap, title: 
         if both:
             save_figure(figures.draw_pairs(both), folder, "pairs")
     values = numbers(found)
-    return render_page(
+    page = render_page(
         PlacePage(
             title=title,
             lead=lead_sentence(values),
@@ -224,6 +225,7 @@ def page_text(search: Search, params: LocateParams, place_map: PlaceMap, title: 
             made=datetime.now().astimezone(),
         )
     )
+    return as_text(page)
 
 
 def _drawn(search: Search, place_map: PlaceMap) -> list[tuple[str, Figure, str, list[tuple[str, str]]]]:
