@@ -16,7 +16,6 @@ from insectnav.metrics.segmentation import (
     label_entropy,
     skyline,
     skyline_error,
-    skyline_heights,
 )
 
 MASKS = arrays(bool, (4, 5))
@@ -80,11 +79,6 @@ def test_skyline_ends_where_pixels_do_not_count():
     mixed = above(5)
     mixed[:, 6:] = above(15)[:, 6:]
     assert skyline_error(mixed, above(5), valid) == 0.0
-
-
-def test_heights_of_columns():
-    mask = np.array([[1, 1, 0, 1], [1, 0, 0, 1], [1, 1, 1, 0]], bool)
-    assert skyline_heights(mask).tolist() == [3, 1, 0, 2]
 
 
 @pytest.mark.parametrize(("n_sky", "bits"), [(0, 0.0), (1, 0.811278), (2, 1.0), (3, 0.811278), (4, 0.0)])

@@ -43,8 +43,9 @@ def plain_name(name: str) -> str:
 
 
 def listed(header: Sequence[str]) -> str:
-    """Names of columns inside a sentence."""
-    return ", ".join(quoted(name.strip()) for name in header[:12])
+    """Names of columns inside a sentence, the first twelve of them."""
+    more = f" and {len(header) - 12} more" if len(header) > 12 else ""
+    return ", ".join(quoted(name.strip()) for name in header[:12]) + more
 
 
 def likely_slip(header: Sequence[str], absent: Sequence[str] = ()) -> str:
