@@ -226,7 +226,8 @@ class PlaceMap:
             In the order in which they were taken; a row of NaN for a frame that is missing.
         params : SeqSlamParams
         about : of the queries; refused if they were described in another way than the map
-        search : "exact" compares with all places, "index" with those that an index proposes
+        search : "exact" compares with all places, "index" with those that an index proposes, which frozen maps have;
+            "auto" takes the index where there is one and the map has more than 60 000 places
         workers : threads; they change nothing in the results
         cluster : address or client of a Dask cluster, whose workers compare with all places and see the folder
 

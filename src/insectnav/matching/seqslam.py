@@ -111,8 +111,8 @@ def enhance_contrast(
 ) -> Reals:
     """Each difference less the mean of its neighbours, over their standard deviation, (reference, query) float64.
 
-    ``E[i, j] = (D[i, j] − mean) / std`` of ``D[i − 5 … i + 5, j]``, standard deviation over n − 1, fewer at the ends;
-    then less the baseline, so that none is negative.
+    ``E[i, j] = (D[i, j] − mean) / std`` of ``D[i − w … i + w, j]``, w half the contrast window, standard deviation over
+    n − 1, fewer at the ends; then less the baseline, so that none is negative.
 
     Parameters
     ----------
@@ -172,8 +172,9 @@ def seqslam(difference: ArrayLike, params: SeqSlamParams | None = None, *, worke
     -----
     Milford & Wyeth, ICRA 2012, doi 10.1109/ICRA.2012.6224623, in the form of OpenSeqSLAM v1 (Sünderhauf, Neubert &
     Protzel 2013): contrast enhanced; for query N lines from each start s through the differences of queries
-    N − ds/2 … N + ds/2, at speeds 0.8 … 1.2 in steps of 1/ds, row ``s + floor(v k)`` at step k; the score is the least
-    sum over the least of starts outside ±R_window/2. A line that runs beyond the last reference does not count.
+    N − ds/2 … N + ds/2, at speeds from slowest to fastest in steps of 1/ds, row ``s + floor(v k)`` at step k; the score
+    is the least sum over the least of starts outside ±R_window/2. A line that runs beyond the last reference does not
+    count.
     """
     params = params or SeqSlamParams()
     rows = _checked_rows(difference, params)
