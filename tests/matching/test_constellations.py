@@ -5,7 +5,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from insectnav.checks import InputError
 from insectnav.matching import ConstellationParams, constellation_index, locate
-from insectnav.matching.constellations import _peaks
+from insectnav.matching.constellations import Hits, _best_place, _constellations, _peaks
 
 N, FEATURES = 1200, 60
 
@@ -88,6 +88,32 @@ def test_missing_and_constant_frames_have_no_peaks():
     assert np.isnan(lost.score).all()
     constant = constellation_index(np.ones((50, FEATURES)))
     assert_array_equal(locate(constant, np.ones((50, FEATURES))).reference, -1)
+
+
+def test_a_peak_is_higher_than_the_mean():
+    values = np.full((9, 9), -5.0)
+    values[4, 4] = -1.0  # higher than all about it, and yet below the mean
+    assert_array_equal(_peaks(values, ConstellationParams())[0], [])
+    values[4, 4] = 1.0
+    assert_array_equal(_peaks(values, ConstellationParams()), [[4], [4]])
+
+
+def test_a_constellation_spans_at_most_the_longest_time():
+    values = np.full((40, 9), -1.0)
+    values[[2, 9, 32], [1, 4, 7]] = 1.0
+    found = _constellations(values, ConstellationParams(longest=30))
+    assert (found.frame.tolist(), found.span.tolist()) == ([2], [30])
+    assert not len(_constellations(values, ConstellationParams(longest=29)).key)
+
+
+def test_a_rival_lies_farther_than_the_window():
+    def hits(rival):
+        reference = np.array([100, 100, 100, rival, rival])
+        return Hits(np.full(5, 20), reference, np.full(5, 0.9), np.full(5, 1.1))
+
+    params = ConstellationParams(unique_window=10, place_frames=0)
+    assert _best_place(hits(110), 20, 500, params)[:2] == (100, 0.0)
+    assert _best_place(hits(111), 20, 500, params)[:2] == (100, pytest.approx(2 / 3))
 
 
 @pytest.mark.parametrize(

@@ -238,6 +238,20 @@ def test_a_start_on_another_route_is_proposed_however_near_its_number():
     assert_array_equal(proposed[:n], [3, 11, 5])
 
 
+def test_a_line_has_the_votes_of_its_start_and_of_the_two_places_after_it():
+    """Candidates at starts 10 and 12 are one line of two votes, which is more than a single one of one and a half."""
+    places, weights = np.array([[10, 50], [13, -1]]), np.array([[1.0, 1.5], [1.0, 0.0]])
+    proposed = np.full(8, -1)
+    n = propose_starts(places, weights, np.zeros(60, np.int64), np.array([[0, 1]]), 6, proposed)
+    assert_array_equal(proposed[:n], [11, 51])
+
+
+def test_no_line_is_proposed_that_runs_from_one_route_into_the_next():
+    places, routes, proposed = np.array([[-1], [11]]), np.repeat([0, 1], 10), np.full(8, -1)
+    assert propose_starts(places, np.ones((2, 1)), routes, np.array([[0, 5]]), 1, proposed) == 0
+    assert propose_starts(places, np.ones((2, 1)), routes, np.array([[0, 1]]), 1, proposed) == 1
+
+
 @pytest.mark.parametrize("magnitude", [1e-25, 1e25])
 def test_an_index_by_cosine_does_not_see_the_unit(tmp_path, magnitude):
     queries = np.float32(magnitude) * QUERIES[:12]

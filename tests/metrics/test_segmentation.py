@@ -66,6 +66,17 @@ def test_skyline_error_by_hand():
     assert len(skyline(mask)) == 4
 
 
+def test_a_side_of_the_skyline_counts_if_both_its_pixels_do():
+    for row in (4, 5):  # the last of the sky, the first of the ground
+        valid = np.ones((20, 12), bool)
+        valid[row] = False
+        assert len(skyline(above(5), valid)) == 0
+    for column in (4, 5):
+        valid = np.ones((12, 20), bool)
+        valid[:, column] = False
+        assert len(skyline(above(5).T, valid)) == 0
+
+
 def test_skyline_that_is_missing():
     nothing = np.zeros((5, 5), bool)
     assert skyline_error(nothing, nothing) == 0.0
