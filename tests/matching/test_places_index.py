@@ -16,7 +16,7 @@ from insectnav.checks import InputError
 from insectnav.matching import METRICS, OPENSEQSLAM_V1, MapAbout, PlaceMap, SeqSlamParams
 from insectnav.matching.place_arrays import new_places
 from insectnav.matching.place_index import build_index
-from insectnav.matching.place_lookup import coarse_speeds
+from insectnav.matching.place_index_search import coarse_speeds
 from insectnav.matching.place_vote_kernel import propose_starts
 
 RNG = np.random.default_rng(2)

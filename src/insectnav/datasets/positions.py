@@ -19,8 +19,8 @@ from insectnav.datasets.frame_times import frame_name
 from insectnav.datasets.gps import SNIFFED, gps_kind, local_plane, read_gps
 from insectnav.datasets.gps_track import GpsTrack, check_degrees
 from insectnav.datasets.table_columns import LENGTHS, find_columns, likely_slip, listed
+from insectnav.datasets.text_tables import open_table, read_columns
 from insectnav.datasets.time_columns import FRAMES, NAMES, TIMES, whole_numbers
-from insectnav.datasets.track_table import open_table, read_columns
 from insectnav.records import read_only
 
 MAX_GAP_S = 3.0  # [s] ours: a receiver gives a fix a second, and at a walk 3 s are 4 m

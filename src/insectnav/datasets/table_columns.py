@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from insectnav.checks import InputError, quoted
-from insectnav.datasets.track_table import NUMBER
+from insectnav.datasets.text_tables import NUMBER
 
 LENGTHS = {"_m": 1.0, "_cm": 0.01, "_mm": 0.001}  # endings of names, and how many metres one of theirs is
 _UNIT = re.compile(r"\s*[\[(]\s*(\w+)\s*[\])]$")  # "time [s]", "x (cm)"

@@ -17,8 +17,8 @@ from insectnav.checks import (
     quoted,
 )
 from insectnav.datasets.table_columns import likely_slip, listed
+from insectnav.datasets.text_tables import open_table, read_numbers
 from insectnav.datasets.track_gaps import GapLimits, Samples, fill_gaps
-from insectnav.datasets.track_table import open_table, read_numbers
 from insectnav.records import Track
 
 MIN_SAMPLES = 10

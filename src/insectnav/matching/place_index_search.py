@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError
+from insectnav.matching.place_exact_search import Landscape, known_frames, matches_of_lines
 from insectnav.matching.place_index import PlaceIndex
 from insectnav.matching.place_pieces import Lines
-from insectnav.matching.place_search import Landscape, known_frames, matches_of_lines
 from insectnav.matching.seqslam import Matches, SeqSlamParams
 from insectnav.workers import run_blocks
 
