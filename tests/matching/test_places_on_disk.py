@@ -165,6 +165,15 @@ def test_writers_that_take_turns_see_each_other(tmp_path):
     assert_array_equal(second.routes, np.arange(20) >= 10)
 
 
+def test_sixteen_additions_of_one_size_become_one_segment(tmp_path):
+    made = PlaceMap.create(tmp_path / "map", ABOUT)
+    counts = []
+    for k in range(33):
+        made.add(ROUTE[k : k + 1])
+        counts.append(len(list((tmp_path / "map" / "segments").iterdir())))
+    assert counts == [k // 16 + k % 16 for k in range(1, 34)]
+
+
 def test_a_reader_opens_while_segments_merge(tmp_path):
     made = PlaceMap.create(tmp_path / "map", ABOUT)
     made.add(ROUTE[:1])
