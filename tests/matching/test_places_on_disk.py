@@ -339,7 +339,11 @@ def test_folders_of_others_are_refused(tmp_path):
     assert damaged(tmp_path / "file" / "below").endswith("does not exist, expected the folder of a map")
     zarr.create_group(tmp_path / "plain.zarr").create_array("descriptors", data=ROUTE)
     assert "is no map of places" in damaged(tmp_path / "plain.zarr")
-    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT).add(ROUTE)
+    made = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    made.add(ROUTE)
+    made.add(ROUTE)
+    shutil.rmtree(tmp_path / "map" / "segments" / "00000001-00000001")  # with what came before and after it there
+    assert damaged(tmp_path / "map").endswith("lacks what was added as number 1")
     shutil.rmtree(tmp_path / "map" / "segments" / "00000000-00000000")
     assert damaged(tmp_path / "map").endswith("lacks what was added as number 0")
     shutil.rmtree(tmp_path / "map" / "segments")
