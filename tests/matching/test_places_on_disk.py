@@ -330,6 +330,19 @@ def test_the_present_folder_is_no_new_one(tmp_path, monkeypatch, folder):
     assert not list(tmp_path.iterdir())
 
 
+def test_additions_whose_routes_do_not_follow_each_other_are_refused(tmp_path):
+    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT).add(ROUTE)
+    np.full(400, 2).tofile(tmp_path / "map" / "segments" / "00000001-00000001" / "routes" / "c.0")
+    assert damaged(tmp_path / "map").endswith("do not follow each other: damaged?")
+
+
+def test_an_array_with_a_byte_too_many_is_refused(tmp_path):
+    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    with (tmp_path / "map" / "segments" / "00000000-00000000" / "times" / "c.0").open("ab") as file:
+        file.write(b"x")
+    assert "has 3201 bytes, expected 3200" in damaged(tmp_path / "map")
+
+
 def test_folders_of_others_are_refused(tmp_path):
     import zarr
 
@@ -352,7 +365,13 @@ def test_folders_of_others_are_refused(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "values"),
-    [("routes", [0, 2] * 200), ("routes", [1] * 399 + [0]), ("name_ends", [5] * 400), ("name_ends", [-1] * 400)],
+    [
+        ("routes", [0, 2] * 200),
+        ("routes", [1] * 399 + [0]),
+        ("routes", [-1] * 400),
+        ("name_ends", [5] * 400),
+        ("name_ends", [-1] * 400),
+    ],
 )
 def test_numbers_that_make_no_sense_are_refused(tmp_path, name, values):
     PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
