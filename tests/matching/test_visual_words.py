@@ -144,3 +144,11 @@ def test_features_of_another_detector_are_refused():
         sift.bags_of_features([np.ones((2, 128)), np.ones((2, 64))])
     with pytest.raises(InputError, match="bags_of_features"):
         own.bags(TRAINING)
+
+
+def test_reals_are_the_bytes_that_they_came_from():
+    picture = np.random.default_rng(0).integers(0, 256, (12, 16), dtype=np.uint8).repeat(10, axis=0).repeat(10, axis=1)
+    expected = local_features(picture)
+    assert len(expected) > 10
+    for kind in (np.float32, np.float64):
+        assert_array_equal(local_features(picture.astype(kind) / kind(255)), expected)
