@@ -137,3 +137,13 @@ def test_a_rotation_with_little_overlap_is_refined_all_the_same():
     found = refined([candidate], points, view[None], BLUR.n_cells, KINDS["difference"], least, steps)[0]
     assert np.rad2deg(rotation_between(found.rotation, np.eye(3))) < 0.5
     assert_array_equal(candidate.rotation, start)
+
+
+def test_candidates_come_out_best_first():
+    views = maps_of(SKIES[:2], [MASKS[0], MASKS[0]])
+    points = seen_points(views[0], BLUR.n_cells, 2000)
+    candidates = [Candidate(1, np.eye(3), 0.9, 0.0), Candidate(0, np.eye(3), 0.1, 0.0)]
+    steps = np.deg2rad(5.0), np.deg2rad(0.5)
+    found = refined(candidates, points, views, BLUR.n_cells, KINDS["difference"], np.zeros(2), steps)
+    assert [candidate.reference for candidate in found] == [0, 1]
+    assert found[0].score > found[1].score
