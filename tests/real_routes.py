@@ -12,6 +12,8 @@ DATA = Path(os.environ.get("INSECTNAV_DATA") or Path(__file__).resolve().parents
 
 def load_images(paths):
     """Grey images (n, rows, columns)."""
+    if not paths:
+        pytest.skip(f"{DATA} is missing, or holds other data")
     for path in paths:
         if not path.exists():
             pytest.skip(f"{path} is missing")

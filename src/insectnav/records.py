@@ -160,15 +160,15 @@ class Mesh:
         if material.dtype.kind == "f":
             raise InputError("material holds fractions, expected a whole number for each triangle")
         check_range("material", material, 0, len(self.materials) - 1, slip="a material without a name?")
-        object.__setattr__(self, "vertices", _read_only(vertices[keep], np.float32))
-        object.__setattr__(self, "material", _read_only(material[keep], np.int32))
+        object.__setattr__(self, "vertices", read_only(vertices[keep], np.float32))
+        object.__setattr__(self, "material", read_only(material[keep], np.int32))
         object.__setattr__(self, "materials", tuple(self.materials))
         object.__setattr__(self, "notes", notes)
         if self.grey is not None:
             grey = as_numbers("grey", self.grey)
             check_shape("grey", grey, (len(keep),))
             check_range("grey", grey, 0, 1, slip="in 0 to 255?")
-            object.__setattr__(self, "grey", _read_only(grey[keep], np.float32))
+            object.__setattr__(self, "grey", read_only(grey[keep], np.float32))
 
     @property
     def n_triangles(self) -> int:
@@ -234,7 +234,8 @@ def _has_area(vertices: npt.NDArray[np.float32]) -> npt.NDArray[np.bool_]:
     return np.asarray(area > MIN_FLATNESS * (sides**2).sum(axis=-1).max(axis=-1))
 
 
-def _read_only(values: npt.NDArray[Any], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+def read_only(values: npt.NDArray[Any], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    """A copy in one piece of the type given, into which nothing can be written."""
     array = np.ascontiguousarray(values, dtype)
     if array.base is not None or array is values:
         array = array.copy()

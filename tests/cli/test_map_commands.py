@@ -1,5 +1,6 @@
 """`insectnav map` as a person meets it: two folders in, matches and a page out; what is refused, noted, left behind."""
 
+import base64
 import os
 import signal
 import subprocess
@@ -39,6 +40,15 @@ def test_two_folders_give_a_map_matches_and_a_page(walk: Path):
     assert names == {"matches.csv", "page.html", "summary.json", "provenance.json", "figures"}
     assert {path.suffix for path in (out / "figures").iterdir()} == {".png", ".pdf"}
     assert {path.stem for path in (out / "figures").iterdir()} == {"matches", "precision", "pairs"}
+
+
+def test_a_figure_on_the_page_is_that_in_the_folder(run, walk: Path):
+    assert run("map", "build", "summer", "route").code == 0
+    assert run("map", "locate", "route", "winter", "--out-dir", "found").code == 0
+    assert run("map", "locate", "route", "winter", "--page", "alone.html").code == 0
+    shown = base64.b64encode((walk / "found" / "figures" / "matches.png").read_bytes()).decode()
+    assert shown in (walk / "found" / "page.html").read_text(encoding="utf-8")
+    assert shown in (walk / "alone.html").read_text(encoding="utf-8")
 
 
 def test_the_page_is_one_file_that_loads_nothing(run, walk: Path):

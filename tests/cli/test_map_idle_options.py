@@ -7,7 +7,7 @@ import pytest
 
 from command_line import assert_refused, everything, in_process
 from insectnav.cli import map_options
-from insectnav.cli.map_idle_options import with_a_table
+from insectnav.cli.map_idle_options import with_a_table, without_what_they_need
 from insectnav.cli.option_tables import field_of
 from place_scenes import N_FRAMES, two_seasons
 
@@ -100,3 +100,14 @@ def test_what_does_something_is_taken(run, walk: Path):
     assert run("map", "evaluate", "m.csv", *by_metres, "--map", "placed").code == 0
     assert run(*FRAMES, "--positions", "where.csv", "--every-m", "1").code == 0
     assert run("map", "locate", "own", "a.npy", "--out", "n.csv").code == 0
+
+
+def test_a_contrast_window_is_of_use_to_frames_one_by_one_where_an_index_searches():
+    one_by_one = {"sequence_length": 1}
+    assert "--contrast-window" in without_what_they_need(one_by_one)
+    assert "--contrast-window" not in without_what_they_need(one_by_one | {"search": "index"})
+
+
+def test_an_offset_from_utc_is_of_use_to_clocks_in_names_and_pictures():
+    is_idle = {times: "--utc-offset" in without_what_they_need({"times": times}) for times in ("names", "exif", "25")}
+    assert is_idle == {"names": False, "exif": False, "25": True}

@@ -215,6 +215,7 @@ def test_sources_that_give_no_time_are_refused(source: str | float, key: dict, s
 def test_streams_of_two_rates_are_joined_by_the_nearest():
     slow, fast = np.array([0.0, 1.0, 2.0, 2.5, np.nan]), np.arange(0, 2.01, 0.4)
     np.testing.assert_array_equal(nearest_in_time(slow, fast, 0.25), [0, 2, 5, -1, -1])  # of two as near the earlier
+    np.testing.assert_array_equal(nearest_in_time([0.5, 1.5], [0.0, 1.0, 2.0], 1.0), [0, 1])
     shuffled = [5, 3, 0, 1, 4, 2]
     np.testing.assert_array_equal(nearest_in_time(slow, fast[shuffled], 0.25), [2, 5, 0, -1, -1])
 

@@ -135,6 +135,12 @@ def test_days_roll_over(log: str):
     np.testing.assert_array_equal(parse_nmea(log).time, seconds(2020, 1, 14, 23, 59, 58) + np.arange(4))
 
 
+def test_a_time_that_falls_back_by_a_second_is_of_the_same_day():
+    track = parse_nmea(rmc("120001") + gga("120000"))
+    np.testing.assert_array_equal(track.time, seconds(2020, 1, 14, 12) + np.array([1, 0]))
+    np.testing.assert_array_equal(track.segment, [0, 1])
+
+
 def test_two_midnights_without_a_date_between_them():
     clocks = [f"{hour % 24:02d}0000" for hour in range(20, 75, 3)]
     track = parse_nmea(rmc(clocks[0]) + "".join(map(gga, clocks[1:])))

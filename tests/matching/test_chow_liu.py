@@ -70,6 +70,17 @@ def test_probabilities_are_counts_kept_from_0_and_1():
     assert tree.given_present[0] == tree.given_absent[0] == tree.marginal[0]
 
 
+def test_probabilities_given_the_parent_are_shares_of_the_images_with_and_without_it():
+    bags = correlated_bags()
+    tree = chow_liu_tree(bags)
+    for word, parent in enumerate(tree.parent):
+        if word == parent:
+            continue
+        with_parent, without = bags[bags[:, parent], word].mean(), bags[~bags[:, parent], word].mean()
+        assert tree.given_present[word] == pytest.approx(0.98 * with_parent + 0.01)
+        assert tree.given_absent[word] == pytest.approx(0.98 * without + 0.01)
+
+
 @settings(deadline=None, max_examples=50)
 @given(st.integers(2, 12), st.integers(10, 40), st.integers(0, 2**32 - 1), st.floats(0, 1))
 def test_any_bags_give_a_tree(n_words, n_images, seed, share):

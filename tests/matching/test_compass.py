@@ -175,3 +175,12 @@ def test_a_real_robot_finds_its_place_on_a_route():
 def test_bad_input_is_refused_in_a_sentence(call, sentence):
     with pytest.raises(InputError, match=f"^{sentence}"):
         call()
+
+
+def test_of_equal_turns_the_first_is_taken():
+    sky = np.ones((1, 20, 20), bool)
+    found = disk_turn_matrix(sky, sky, 8)
+    assert (found.difference[0, 0], found.turn[0, 0]) == (0.0, 0.0)
+    opposite = np.zeros((1, 20, 20), bool)
+    opposite[:, 10] = opposite[:, 9] = True  # a bar across, the same after half a turn
+    assert disk_turn_matrix(opposite, opposite, 8).turn[0, 0] == 0.0

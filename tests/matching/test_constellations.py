@@ -4,8 +4,8 @@ from numpy.testing import assert_array_equal
 from scipy.ndimage import gaussian_filter1d
 
 from insectnav.checks import InputError
-from insectnav.matching import ConstellationParams, constellation_index, locate
-from insectnav.matching.constellations import _peaks
+from insectnav.matching import ConstellationParams, constellation_index, locate_by_constellations
+from insectnav.matching.constellations import Hits, _best_place, _constellations, _peaks
 
 N, FEATURES = 1200, 60
 
@@ -33,7 +33,7 @@ INDEX = constellation_index(spectra())
 @pytest.mark.parametrize("noise", [0.0, 0.2])
 def test_a_drive_is_found_at_any_speed(speed, noise):
     queries, place = drive(speed, noise=noise)
-    found = locate(INDEX, queries)
+    found = locate_by_constellations(INDEX, queries)
     inner = slice(20, -20)
     right = np.abs(found.reference - place)[inner] <= 5
     assert right.mean() > 0.9
@@ -44,19 +44,21 @@ def test_a_drive_is_found_at_any_speed(speed, noise):
 def test_a_tight_allowance_for_speed_loses_other_speeds():
     index = constellation_index(spectra(), ConstellationParams(slowest=0.95, fastest=1.05, longest=30))
     queries, place = drive(1.4)
-    strict, lenient = locate(index, queries), locate(INDEX, queries)
+    strict, lenient = locate_by_constellations(index, queries), locate_by_constellations(INDEX, queries)
     assert (np.abs(strict.reference - place) <= 2).mean() < (np.abs(lenient.reference - place) <= 2).mean() - 0.2
 
 
 def test_another_route_is_not_recognised():
-    found = locate(INDEX, spectra(seed=9, n=120))
-    foreign, own = (np.where(m.reference >= 0, m.score, 1) for m in (found, locate(INDEX, drive(1.0)[0])))
+    found = locate_by_constellations(INDEX, spectra(seed=9, n=120))
+    foreign, own = (
+        np.where(m.reference >= 0, m.score, 1) for m in (found, locate_by_constellations(INDEX, drive(1.0)[0]))
+    )
     assert np.median(foreign) > 0.6
     assert np.median(own) < 0.2
 
 
 def test_the_route_itself_is_found_everywhere():
-    found = locate(INDEX, spectra())
+    found = locate_by_constellations(INDEX, spectra())
     assert (np.abs(found.reference - np.arange(N)) <= 2)[10:-10].mean() > 0.99
 
 
@@ -81,20 +83,49 @@ def test_peaks_are_the_highest_of_their_neighbours():
 def test_missing_and_constant_frames_have_no_peaks():
     queries, place = drive(1.0)
     queries[50:55] = np.nan
-    found = locate(INDEX, queries)
+    found = locate_by_constellations(INDEX, queries)
     assert (np.abs(found.reference - place)[20:-20] <= 5).mean() > 0.9
-    lost = locate(INDEX, np.full((30, FEATURES), np.nan))
+    lost = locate_by_constellations(INDEX, np.full((30, FEATURES), np.nan))
     assert_array_equal(lost.reference, -1)
     assert np.isnan(lost.score).all()
     constant = constellation_index(np.ones((50, FEATURES)))
-    assert_array_equal(locate(constant, np.ones((50, FEATURES))).reference, -1)
+    assert_array_equal(locate_by_constellations(constant, np.ones((50, FEATURES))).reference, -1)
+
+
+def test_a_peak_is_higher_than_the_mean():
+    values = np.full((9, 9), -5.0)
+    values[4, 4] = -1.0  # higher than all about it, and yet below the mean
+    assert_array_equal(_peaks(values, ConstellationParams())[0], [])
+    values[4, 4] = 1.0
+    assert_array_equal(_peaks(values, ConstellationParams()), [[4], [4]])
+
+
+def test_a_constellation_spans_at_most_the_longest_time():
+    values = np.full((40, 9), -1.0)
+    values[[2, 9, 32], [1, 4, 7]] = 1.0
+    found = _constellations(values, ConstellationParams(longest=30))
+    assert (found.frame.tolist(), found.span.tolist()) == ([2], [30])
+    assert not len(_constellations(values, ConstellationParams(longest=29)).key)
+
+
+def test_a_rival_lies_farther_than_the_window():
+    def hits(rival):
+        reference = np.array([100, 100, 100, rival, rival])
+        return Hits(np.full(5, 20), reference, np.full(5, 0.9), np.full(5, 1.1))
+
+    params = ConstellationParams(unique_window=10, place_frames=0)
+    assert _best_place(hits(110), 20, 500, params)[:2] == (100, 0.0)
+    assert _best_place(hits(111), 20, 500, params)[:2] == (100, pytest.approx(2 / 3))
 
 
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
         (lambda: constellation_index(np.full((9, 9), np.nan)), "all references are missing"),
-        (lambda: locate(INDEX, np.ones((9, 5))), "queries have 5 features, expected 60 as the references"),
+        (
+            lambda: locate_by_constellations(INDEX, np.ones((9, 5))),
+            "queries have 5 features, expected 60 as the references",
+        ),
         (lambda: ConstellationParams(slowest=3), "fastest is 2, expected 3 to 100: slowest and fastest interchanged"),
         (lambda: ConstellationParams(ratio_bins=0), "ratio_bins is 0, expected a whole number of at least 1"),
     ],

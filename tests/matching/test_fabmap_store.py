@@ -109,6 +109,7 @@ def test_large_arrays_are_mapped_and_are_zarr(tmp_path: Path, monkeypatch):
         (replace(VOCABULARY, words=VOCABULARY.words[:1]), None, "words have shape (1, 6), expected at least 2"),
         (None, replace(TREE, parent=np.arange(9)), "the words do not hang together in one tree"),
         (None, replace(TREE, parent=np.roll(np.arange(9), 1)), "the words do not hang together in one tree"),
+        (None, replace(TREE, parent=np.array([0, 2, 1, *[0] * 6])), "the words do not hang together in one tree"),
         (None, replace(TREE, parent=np.full(9, 9)), "parent holds values that are no words, expected 0 to 8"),
         (None, replace(TREE, marginal=np.zeros(9)), "marginal holds values that are no probabilities"),
         (None, replace(TREE, given_absent=TREE.marginal[:5]), "given_absent has shape (5,), expected (9,)"),

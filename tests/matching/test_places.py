@@ -21,8 +21,8 @@ from insectnav.matching import (
     seqslam,
 )
 from insectnav.matching.place_arrays import new_places
+from insectnav.matching.place_exact_search import landscape_of, lines_of_pieces, matches_of_lines
 from insectnav.matching.place_pieces import join_pieces, map_pieces
-from insectnav.matching.place_search import landscape_of, lines_of_pieces, matches_of_lines
 
 RNG = np.random.default_rng(0)
 ROUTE = np.cumsum(RNG.normal(size=(300, 24)), axis=0)
@@ -128,8 +128,8 @@ def places_on(route, routes):
 def test_threads_and_blocks_change_nothing(tmp_path, monkeypatch):
     made = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
     expected = made.locate(QUERIES, workers=1)
-    monkeypatch.setattr("insectnav.matching.place_search.SEQUENCES_PER_BLOCK", 7)
-    monkeypatch.setattr("insectnav.matching.place_search.TASKS_AT_ONCE", 3)
+    monkeypatch.setattr("insectnav.matching.place_exact_search.SEQUENCES_PER_BLOCK", 7)
+    monkeypatch.setattr("insectnav.matching.place_exact_search.TASKS_AT_ONCE", 3)
     same(made.locate(QUERIES, workers=3), expected)
 
 

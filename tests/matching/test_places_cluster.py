@@ -7,8 +7,8 @@ from numpy.testing import assert_array_equal
 from insectnav import __version__
 from insectnav.checks import InputError
 from insectnav.matching import MapAbout, PlaceMap, SeqSlamParams
+from insectnav.matching.place_cluster_search import shard_lines
 from insectnav.matching.place_pieces import map_pieces
-from insectnav.matching.place_shards import shard_lines
 
 RNG = np.random.default_rng(4)
 ROUTE = np.cumsum(RNG.normal(size=(300, 8)), axis=0)
@@ -41,10 +41,10 @@ def test_a_cluster_gives_the_bits_of_one_machine(made, client, monkeypatch, wind
     queries = ROUTE[90:150] + 0.5 * RNG.normal(size=(60, 8))
     queries[[8, 40]] = np.nan
     expected = made.locate(queries, params)
-    monkeypatch.setattr("insectnav.matching.place_shards.MOST_TASKS", 5)
-    monkeypatch.setattr("insectnav.matching.place_shards.SEQUENCES_AT_ONCE", 17)
+    monkeypatch.setattr("insectnav.matching.place_cluster_search.MOST_TASKS", 5)
+    monkeypatch.setattr("insectnav.matching.place_cluster_search.SEQUENCES_AT_ONCE", 17)
     monkeypatch.setattr(
-        "insectnav.matching.place_shards.map_pieces", lambda routes, params: map_pieces(routes, params, 23)
+        "insectnav.matching.place_cluster_search.map_pieces", lambda routes, params: map_pieces(routes, params, 23)
     )
     for cluster in (client, client.scheduler.address):
         found = made.locate(queries, params, cluster=cluster)

@@ -16,7 +16,7 @@ from insectnav.checks import InputError
 from insectnav.matching import METRICS, OPENSEQSLAM_V1, MapAbout, PlaceMap, SeqSlamParams
 from insectnav.matching.place_arrays import new_places
 from insectnav.matching.place_index import build_index
-from insectnav.matching.place_lookup import coarse_speeds
+from insectnav.matching.place_index_search import coarse_speeds
 from insectnav.matching.place_vote_kernel import propose_starts
 
 RNG = np.random.default_rng(2)
@@ -236,6 +236,20 @@ def test_a_start_on_another_route_is_proposed_however_near_its_number():
     proposed = np.full(8, -1)
     n = propose_starts(places, weights, routes, np.zeros((1, 4), np.int64), 6, proposed)
     assert_array_equal(proposed[:n], [3, 11, 5])
+
+
+def test_a_line_has_the_votes_of_its_start_and_of_the_two_places_after_it():
+    """Candidates at starts 10 and 12 are one line of two votes, which is more than a single one of one and a half."""
+    places, weights = np.array([[10, 50], [13, -1]]), np.array([[1.0, 1.5], [1.0, 0.0]])
+    proposed = np.full(8, -1)
+    n = propose_starts(places, weights, np.zeros(60, np.int64), np.array([[0, 1]]), 6, proposed)
+    assert_array_equal(proposed[:n], [11, 51])
+
+
+def test_no_line_is_proposed_that_runs_from_one_route_into_the_next():
+    places, routes, proposed = np.array([[-1], [11]]), np.repeat([0, 1], 10), np.full(8, -1)
+    assert propose_starts(places, np.ones((2, 1)), routes, np.array([[0, 5]]), 1, proposed) == 0
+    assert propose_starts(places, np.ones((2, 1)), routes, np.array([[0, 1]]), 1, proposed) == 1
 
 
 @pytest.mark.parametrize("magnitude", [1e-25, 1e25])

@@ -165,6 +165,15 @@ def test_writers_that_take_turns_see_each_other(tmp_path):
     assert_array_equal(second.routes, np.arange(20) >= 10)
 
 
+def test_sixteen_additions_of_one_size_become_one_segment(tmp_path):
+    made = PlaceMap.create(tmp_path / "map", ABOUT)
+    counts = []
+    for k in range(33):
+        made.add(ROUTE[k : k + 1])
+        counts.append(len(list((tmp_path / "map" / "segments").iterdir())))
+    assert counts == [k // 16 + k % 16 for k in range(1, 34)]
+
+
 def test_a_reader_opens_while_segments_merge(tmp_path):
     made = PlaceMap.create(tmp_path / "map", ABOUT)
     made.add(ROUTE[:1])
@@ -321,6 +330,19 @@ def test_the_present_folder_is_no_new_one(tmp_path, monkeypatch, folder):
     assert not list(tmp_path.iterdir())
 
 
+def test_additions_whose_routes_do_not_follow_each_other_are_refused(tmp_path):
+    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT).add(ROUTE)
+    np.full(400, 2).tofile(tmp_path / "map" / "segments" / "00000001-00000001" / "routes" / "c.0")
+    assert damaged(tmp_path / "map").endswith("do not follow each other: damaged?")
+
+
+def test_an_array_with_a_byte_too_many_is_refused(tmp_path):
+    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    with (tmp_path / "map" / "segments" / "00000000-00000000" / "times" / "c.0").open("ab") as file:
+        file.write(b"x")
+    assert "has 3201 bytes, expected 3200" in damaged(tmp_path / "map")
+
+
 def test_folders_of_others_are_refused(tmp_path):
     import zarr
 
@@ -330,7 +352,11 @@ def test_folders_of_others_are_refused(tmp_path):
     assert damaged(tmp_path / "file" / "below").endswith("does not exist, expected the folder of a map")
     zarr.create_group(tmp_path / "plain.zarr").create_array("descriptors", data=ROUTE)
     assert "is no map of places" in damaged(tmp_path / "plain.zarr")
-    PlaceMap.build(tmp_path / "map", ROUTE, ABOUT).add(ROUTE)
+    made = PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)
+    made.add(ROUTE)
+    made.add(ROUTE)
+    shutil.rmtree(tmp_path / "map" / "segments" / "00000001-00000001")  # with what came before and after it there
+    assert damaged(tmp_path / "map").endswith("lacks what was added as number 1")
     shutil.rmtree(tmp_path / "map" / "segments" / "00000000-00000000")
     assert damaged(tmp_path / "map").endswith("lacks what was added as number 0")
     shutil.rmtree(tmp_path / "map" / "segments")
@@ -339,7 +365,13 @@ def test_folders_of_others_are_refused(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "values"),
-    [("routes", [0, 2] * 200), ("routes", [1] * 399 + [0]), ("name_ends", [5] * 400), ("name_ends", [-1] * 400)],
+    [
+        ("routes", [0, 2] * 200),
+        ("routes", [1] * 399 + [0]),
+        ("routes", [-1] * 400),
+        ("name_ends", [5] * 400),
+        ("name_ends", [-1] * 400),
+    ],
 )
 def test_numbers_that_make_no_sense_are_refused(tmp_path, name, values):
     PlaceMap.build(tmp_path / "map", ROUTE, ABOUT)

@@ -11,9 +11,9 @@ from numpy.testing import assert_array_equal
 
 from insectnav.matching import MapAbout, PlaceMap, SeqSlamParams, difference_matrix, seqslam
 from insectnav.matching.place_arrays import new_places
+from insectnav.matching.place_exact_search import exact_matches, landscape_of
 from insectnav.matching.place_index import METRICS_WITH_INDEX, PlaceIndex, build_index
-from insectnav.matching.place_lookup import indexed_matches
-from insectnav.matching.place_search import exact_matches, landscape_of
+from insectnav.matching.place_index_search import indexed_matches
 from insectnav.matching.place_stream import MapStream, begin_map_stream
 
 pytest.importorskip("faiss")

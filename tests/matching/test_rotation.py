@@ -179,6 +179,16 @@ def test_masks_may_differ_from_view_to_view():
     assert degrees(match.rotation, rotation).max() < 0.5
 
 
+def test_overlap_is_a_share_of_what_the_matched_reference_saw():
+    """A cap of 40° lies within the query's of 90°: all of it is shared, whatever the other reference saw."""
+    masks = np.stack([cap(GRID.directions, 40.0), SEEN])
+    index = build_rotation_index(LEVEL[:2], masks, GRID, PARAMS)
+    first, second = index.match(LEVEL[0], SEEN), index.match(LEVEL[1], SEEN)
+    assert (first.reference, second.reference) == (0, 1)
+    assert first.overlap == pytest.approx(1.0, abs=0.01)
+    assert second.overlap == pytest.approx(1.0, abs=0.01)
+
+
 def test_correlation_takes_no_notice_of_brightness_and_contrast():
     index = build_rotation_index(LEVEL, SEEN, GRID, replace(PARAMS, score="correlation"))
     rotation = rotation_matrix(0.7, -0.5, 0.2)

@@ -8,10 +8,19 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
 from bumpy_skies import bumpy_sky, cap, cap_without_sector
-from insectnav.matching.rotation_search import best_rotations, ring_grid, ring_spectra, rotation_of, tilt_rotations
+from insectnav.matching.rotation_matches import rotation_between
+from insectnav.matching.rotation_refinement import Candidate, refined, seen_points
+from insectnav.matching.rotation_search import (
+    KINDS,
+    best_rotations,
+    ring_grid,
+    ring_spectra,
+    rotation_of,
+    tilt_rotations,
+)
 from insectnav.matching.view_maps import blur_to_cube, look_up
 from insectnav.vision import to_eye
-from insectnav.vision.sphere import equirectangular
+from insectnav.vision.sphere import equirectangular, rotation_matrix
 
 GRID = equirectangular(5.0)
 BLUR = blur_to_cube(GRID, np.deg2rad(5.0), "coarse_blur")
@@ -115,3 +124,26 @@ def test_a_tilt_turns_the_upward_axis_alone():
 def test_a_turn_is_clockwise():
     place = 6  # no tilt, a quarter of 24 turns
     assert_allclose(rotation_of(place, TILTS, N_TURNS) @ [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], atol=1e-12)
+
+
+def test_a_rotation_with_little_overlap_is_refined_all_the_same():
+    """It may keep the overlap that it starts with, here less than what is asked for."""
+    view = maps_of(SKIES[:1], MASKS[:1])[0]
+    points = seen_points(view, BLUR.n_cells, 2000)
+    start = rotation_matrix(np.deg2rad(4.0)) @ rotation_matrix(0.0, np.deg2rad(3.0))
+    candidate = Candidate(0, start, 0.0, 0.0)
+    steps = np.deg2rad(5.0), np.deg2rad(0.1)
+    least = np.array([1.5 * points.area])
+    found = refined([candidate], points, view[None], BLUR.n_cells, KINDS["difference"], least, steps)[0]
+    assert np.rad2deg(rotation_between(found.rotation, np.eye(3))) < 0.5
+    assert_array_equal(candidate.rotation, start)
+
+
+def test_candidates_come_out_best_first():
+    views = maps_of(SKIES[:2], [MASKS[0], MASKS[0]])
+    points = seen_points(views[0], BLUR.n_cells, 2000)
+    candidates = [Candidate(1, np.eye(3), 0.9, 0.0), Candidate(0, np.eye(3), 0.1, 0.0)]
+    steps = np.deg2rad(5.0), np.deg2rad(0.5)
+    found = refined(candidates, points, views, BLUR.n_cells, KINDS["difference"], np.zeros(2), steps)
+    assert [candidate.reference for candidate in found] == [0, 1]
+    assert found[0].score > found[1].score

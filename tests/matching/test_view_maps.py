@@ -61,6 +61,11 @@ def test_the_edge_of_the_mask_is_where_half_was_seen():
     away = np.rad2deg(np.arccos(cube_nodes(BLUR.n_cells)[:, 2]))
     assert np.isnan(maps[0, away > 61.5]).all()
     assert_array_equal(maps[0, away < 58.5], 1.0)
+    fine = equirectangular(1.0)  # on which a tenth of the blur's width is told
+    blur = blur_to_cube(fine, np.deg2rad(3.0), "fine_blur")
+    maps = blur(np.ones((1, fine.n_directions), np.float32), cap(fine.directions, 60.0)[None])
+    assert np.isnan(maps[0, away > 60.4]).all()
+    assert_array_equal(maps[0, away < 59.6], 1.0)
 
 
 def test_what_was_not_seen_changes_no_bit():

@@ -8,7 +8,7 @@ from numpy.testing import assert_array_equal
 
 from insectnav.checks import InputError
 from insectnav.matching import build_vocabulary, vocabulary_of_features
-from insectnav.matching.visual_words import local_features
+from insectnav.matching.visual_words import _grey_bytes, local_features
 
 
 def pictures(n, seed=0, side=96):
@@ -144,3 +144,10 @@ def test_features_of_another_detector_are_refused():
         sift.bags_of_features([np.ones((2, 128)), np.ones((2, 64))])
     with pytest.raises(InputError, match="bags_of_features"):
         own.bags(TRAINING)
+
+
+def test_reals_become_the_nearest_bytes():
+    assert _grey_bytes(np.array([[0.0, 1.6, 2.4, 255.0]]) / 255.0).tolist() == [[0, 2, 2, 255]]
+    picture = np.random.default_rng(0).integers(0, 256, (12, 16), dtype=np.uint8).repeat(10, axis=0).repeat(10, axis=1)
+    assert len(local_features(picture)) > 10
+    assert_array_equal(local_features(picture / 255.0), local_features(picture))

@@ -135,3 +135,9 @@ def test_position_error_is_the_distance():
 def test_bad_input_is_refused_in_a_sentence(call, sentence):
     with pytest.raises(InputError, match=f"^{sentence}"):
         call()
+
+
+def test_a_single_wrong_match_among_thousands_ends_full_precision():
+    right = np.arange(4000) != 3000
+    curve = precision_recall(right, np.arange(4000.0), np.ones(4000, bool))
+    assert recall_at_full_precision(curve) == 3000 / 4000

@@ -163,6 +163,19 @@ def test_only_the_wanted_steps_count():
     assert homeward_turn(path, [0.0, 1000.0], wanted)[0] == pytest.approx(np.radians(1.0))
 
 
+def test_a_loop_reaches_the_outer_circle_when_it_touches_it():
+    assert len(search_loops(along_y(0.0, 3.0, 0.0), 1.0, 3.0).apex) == 1
+    assert len(search_loops(along_y(0.0, 3.0, 0.0), 1.0, 3.1).apex) == 0
+
+
+def test_home_is_on_the_side_on_which_it_lay_before_the_turn():
+    """South of home, the course is 10° to the right of north and turns 30° to the left: across home, and towards it."""
+    headings = np.radians([10.0, -20.0])
+    steps = np.stack([np.sin(headings), np.cos(headings)], axis=-1)
+    path = np.array([[-steps[0], np.zeros(2), steps[1]]]) + np.array([0.0, -10.0])
+    assert homeward_turn(path, [0.0, 20.0])[0] == pytest.approx(np.radians(30.0))
+
+
 # Bad input.
 
 

@@ -16,7 +16,6 @@ from insectnav.metrics.segmentation import (
     label_entropy,
     skyline,
     skyline_error,
-    skyline_heights,
 )
 
 MASKS = arrays(bool, (4, 5))
@@ -67,6 +66,17 @@ def test_skyline_error_by_hand():
     assert len(skyline(mask)) == 4
 
 
+def test_a_side_of_the_skyline_counts_if_both_its_pixels_do():
+    for row in (4, 5):  # the last of the sky, the first of the ground
+        valid = np.ones((20, 12), bool)
+        valid[row] = False
+        assert len(skyline(above(5), valid)) == 0
+    for column in (4, 5):
+        valid = np.ones((12, 20), bool)
+        valid[:, column] = False
+        assert len(skyline(above(5).T, valid)) == 0
+
+
 def test_skyline_that_is_missing():
     nothing = np.zeros((5, 5), bool)
     assert skyline_error(nothing, nothing) == 0.0
@@ -80,11 +90,6 @@ def test_skyline_ends_where_pixels_do_not_count():
     mixed = above(5)
     mixed[:, 6:] = above(15)[:, 6:]
     assert skyline_error(mixed, above(5), valid) == 0.0
-
-
-def test_heights_of_columns():
-    mask = np.array([[1, 1, 0, 1], [1, 0, 0, 1], [1, 1, 1, 0]], bool)
-    assert skyline_heights(mask).tolist() == [3, 1, 0, 2]
 
 
 @pytest.mark.parametrize(("n_sky", "bits"), [(0, 0.0), (1, 0.811278), (2, 1.0), (3, 0.811278), (4, 0.0)])

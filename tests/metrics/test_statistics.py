@@ -1,6 +1,5 @@
 """The bootstrap against what it tends to: closed forms of the error of a mean and of a median."""
 
-import itertools
 import math
 
 import numpy as np
@@ -11,8 +10,7 @@ from scipy import stats
 from scipy.special import i0, i1
 
 from insectnav.angles import circular_mean, circular_std
-from insectnav.checks import InputError
-from insectnav.metrics.statistics import N_RESAMPLES, bootstrap_error, paired_test
+from insectnav.metrics.statistics import N_RESAMPLES, bootstrap_error
 
 RISK_SD = 4.5  # standard errors; 1 in 150 000 by chance
 samples = st.lists(st.integers(-1000, 1000), min_size=2, max_size=30)
@@ -88,42 +86,3 @@ def test_fewer_than_two_have_no_error(values: list[float]):
 
 def test_equal_values_are_certain():
     assert bootstrap_error([2.5, 2.5, 2.5], np.median) == 0.0
-
-
-# Pairs.
-
-
-@given(values=st.lists(st.integers(-20, 20), min_size=1, max_size=12))
-def test_paired_test_against_all_signs(values: list[int]):
-    """The exact distribution by its definition: every sign of every rank is as likely."""
-    sizes = sorted({abs(value) for value in values} - {0})
-    differences = [size * (-1) ** k for k, size in enumerate(sizes)]
-    if not differences:
-        return
-    ranks = np.arange(1, len(sizes) + 1)
-    signs = np.array(list(itertools.product((0, 1), repeat=len(sizes))))
-    sums, found = signs @ ranks, int(ranks[np.array(differences) > 0].sum())
-    tail = min((sums <= found).mean(), (sums >= found).mean())
-    test = paired_test(differences, np.zeros(len(differences)))
-    assert test.p == pytest.approx(min(1.0, 2.0 * tail))
-    assert test.rank_biserial == pytest.approx(2.0 * found / ranks.sum() - 1.0)
-    assert test.n == len(differences)
-
-
-def test_effect_is_one_where_all_are_larger_and_turns_with_the_order():
-    first, second = 2.0 * np.arange(20.0) + 1.0, np.arange(20.0)
-    assert paired_test(first, second).rank_biserial == 1.0
-    assert paired_test(second, first).rank_biserial == -1.0
-    assert paired_test(first, second).p == pytest.approx(2.0 * 0.5**20)  # one of 2^20 sign patterns, on both sides
-    assert paired_test(first, second).p == paired_test(second, first).p
-
-
-def test_pairs_without_a_difference_say_nothing():
-    assert paired_test([1.0, 2.0], [1.0, 2.0]) == (0, 0.0, 1.0, 0.0)
-    test = paired_test([1.0, 5.0, 9.0], [1.0, 4.0, 7.0])
-    assert (test.n, test.median_difference) == (2, 1.0)
-
-
-def test_unlike_samples_are_refused():
-    with pytest.raises(InputError, match="pairs"):
-        paired_test([1.0, 2.0], [1.0])

@@ -49,6 +49,13 @@ def test_spike_takes_the_angle_of_its_time_and_way(axial: bool, first: float):
         assert (angles < period / 2).all()
 
 
+def test_spike_at_a_sample_belongs_to_the_way_that_begins_there():
+    time, angle = np.array([0.0, 1.0, 2.0]), np.array([0.0, 0.5, 0.0])  # clockwise, then back
+    for spike, ways in ((0.0, (1, 0)), (1.0, (0, 1)), (2.0, (0, 0))):
+        found = spike_angles([spike], time, angle)
+        assert (len(found.clockwise), len(found.anticlockwise)) == ways
+
+
 def test_angle_may_be_recorded_over_half_a_turn_or_a_whole_one():
     spikes = np.random.default_rng(1).uniform(0.0, 30.0, 500)
     running = running_angle(TIME, 0.3)

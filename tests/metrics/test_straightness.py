@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from insectnav.checks import InputError
-from insectnav.metrics.path_integration import distance_left
-from insectnav.metrics.straightness import distance_left_along
+from insectnav.metrics.straightness import distance_left, distance_left_along
 
 SHARES = np.linspace(0.0, 1.5, 16)
 

@@ -43,23 +43,14 @@ MATCH: tuple[Option, ...] = (
     ("--sequence-length", COUNT, "Steps from the first to the last frame; 1: frames one by one", "10", None),
     ("--slowest", NUMBER, "Places per query", "0.8", None),
     ("--fastest", NUMBER, "Places per query", "1.2", None),
-    (
-        "--contrast-window",
-        COUNT,
-        "Neighbouring places that a difference is measured against; more in dense maps",
-        "10",
-        None,
-    ),
-    (
-        "--unique-window",
-        COUNT,
-        "Neighbouring places that count as the same one in the score; more in dense maps",
-        "10",
-        None,
-    ),
+    ("--contrast-window", COUNT, "Neighbouring places that a difference is measured against; more in dense maps", "10",
+     None),
+    ("--unique-window", COUNT, "Neighbouring places that count as the same one in the score; more in dense maps", "10",
+     None),
     ("--threshold", NUMBER, "Keep matches of this score or less: 0 unique, 1 as good as another place", "all", None),
-    ("--search", TEXT, "exact: compare with all places; index: with those that an index proposes; auto", "auto", None),
-)
+    ("--search", TEXT, "exact: compare with all places; index: with those that an index proposes; auto: the index of "
+     "frozen maps of more than 60 000 places", "auto", None),
+)  # fmt: skip
 TRUTH: tuple[Option, ...] = (
     ("--truth", TEXT, "Table of query and reference: numbers from 0, or names of frames", "", "FILE.csv"),
     ("--key-frames", TEXT, "The same of some frames, between which the truth is a straight line", "", "FILE.csv"),

@@ -16,8 +16,8 @@ from insectnav.datasets.clocks import check_common_clock, rounding_of
 from insectnav.datasets.exif_times import read_exif_time
 from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS
 from insectnav.datasets.table_columns import find_columns, likely_slip, listed
+from insectnav.datasets.text_tables import open_table, read_columns
 from insectnav.datasets.time_columns import FRAMES, NAMES, TIMES, whole_numbers
-from insectnav.datasets.track_table import open_table, read_columns
 from insectnav.datasets.video import video_facts
 
 Names = Sequence[str | PathLike[str]]

@@ -11,7 +11,7 @@ from insectnav.angles import Floats
 from insectnav.checks import InputError, as_numbers, check_shape, quoted
 from insectnav.datasets import gpx_files, nmea_logs
 from insectnav.datasets.gps_track import GpsTrack, check_degrees
-from insectnav.datasets.track_table import read_bytes
+from insectnav.datasets.text_tables import read_bytes
 
 SEMI_MAJOR_AXIS = 6_378_137.0  # [m] WGS84, NIMA TR8350.2 (2000), table 3.1
 FLATTENING = 1 / 298.257223563  # WGS84, the same table

@@ -1,13 +1,13 @@
 """Where a satellite receiver was, and when."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from insectnav.angles import Floats
 from insectnav.checks import InputError, as_numbers, check_range, check_shape
+from insectnav.records import read_only
 
 MAX_FIXES = 5_000_000  # of a track: two months at one a second
 
@@ -45,8 +45,8 @@ class GpsTrack:
         for name, dtype in {"time": float, "longitude_deg": float, "height": float, "segment": np.int64}.items():
             array = as_numbers(name, getattr(self, name))
             check_shape(name, array, latitude.shape)
-            object.__setattr__(self, name, _read_only(array, dtype))
-        object.__setattr__(self, "latitude_deg", _read_only(latitude, float))
+            object.__setattr__(self, name, read_only(array, dtype))
+        object.__setattr__(self, "latitude_deg", read_only(latitude, float))
         check_degrees(self.latitude_deg, self.longitude_deg)
 
 
@@ -54,9 +54,3 @@ def check_degrees(latitude_deg: Floats, longitude_deg: Floats) -> None:
     """Refuse coordinates that are none on Earth; longitudes may run to 360°."""
     check_range("latitude", latitude_deg, -90.0, 90.0, "degrees", "latitude and longitude exchanged, or metres?")
     check_range("longitude", longitude_deg, -180.0, 360.0, "degrees", "metres of a map, not degrees?")
-
-
-def _read_only(array: npt.NDArray[Any], dtype: type) -> npt.NDArray[Any]:
-    copy: npt.NDArray[Any] = np.array(array, dtype)
-    copy.flags.writeable = False
-    return copy

@@ -90,7 +90,8 @@ def _of_folder(folder: Path, kinds: Sequence[str]) -> tuple[list[Path], list[tup
     stems = {path.stem for path in entries}
     files, skipped = [], []
     for path in entries:
-        owner = next((path.stem.removesuffix(end) for end in MASK_ENDINGS if path.stem.endswith(end)), None)
+        stem = path.stem
+        owner = next((stem.removesuffix(end) for end in MASK_ENDINGS if stem.endswith(end)), None)
         if path.is_dir():
             skipped.append((path.name, "a folder"))
         elif path.suffix.lower() not in kinds or path.name.startswith("."):
@@ -211,13 +212,21 @@ def read_mask(path: str | os.PathLike[str]) -> tuple[NDArray[np.bool_], NDArray[
 
 
 def _bytes(place: Path, name: str) -> bytes:
+    _check_size(place, name)
     try:
-        size = place.stat().st_size
-        if not 0 < size <= MAX_BYTES:
-            raise InputError(f"{name} has {size} bytes, expected 1 to {MAX_BYTES:.0e}")
         return place.read_bytes()
     except OSError as error:
         raise InputError(f"{name} cannot be read ({error.strerror})") from None
+
+
+def _check_size(place: Path, name: str) -> None:
+    """Refuse a file that is not there, empty or too large."""
+    try:
+        size = place.stat().st_size
+    except OSError as error:
+        raise InputError(f"{name} cannot be read ({error.strerror})") from None
+    if not 0 < size <= MAX_BYTES:
+        raise InputError(f"{name} has {size} bytes, expected 1 to {MAX_BYTES:.0e}")
 
 
 def _read_raw(place: Path, name: str) -> Picture:
@@ -230,7 +239,7 @@ def _read_raw(place: Path, name: str) -> Picture:
         import rawpy
     except ImportError:
         raise InputError(f"{name} is a raw file, expected the extra raw for it: pip install insectnav[raw]") from None
-    _bytes_exist(place, name)
+    _check_size(place, name)
     try:
         with rawpy.imread(str(place)) as raw:
             if raw.sizes.height * raw.sizes.width > MAX_PIXELS:
@@ -250,12 +259,3 @@ def _read_raw(place: Path, name: str) -> Picture:
             f"{name} cannot be decoded as a raw file ({why}): truncated, or another kind of file?"
         ) from None
     return np.ascontiguousarray(picture)
-
-
-def _bytes_exist(place: Path, name: str) -> None:
-    try:
-        size = place.stat().st_size
-    except OSError as error:
-        raise InputError(f"{name} cannot be read ({error.strerror})") from None
-    if not 0 < size <= MAX_BYTES:
-        raise InputError(f"{name} has {size} bytes, expected 1 to {MAX_BYTES:.0e}")

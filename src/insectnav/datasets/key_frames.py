@@ -8,7 +8,7 @@ import numpy as np
 from insectnav.angles import Floats
 from insectnav.checks import InputError, quoted
 from insectnav.datasets.table_columns import find_columns, likely_slip, listed
-from insectnav.datasets.track_table import open_table, read_numbers
+from insectnav.datasets.text_tables import open_table, read_numbers
 
 _COLUMNS = {word: dict.fromkeys((word, f"{word}_frame"), 1.0) for word in ("query", "reference")}
 

@@ -9,7 +9,7 @@ import numpy as np
 from insectnav.angles import Floats, bearing, wrap
 from insectnav.checks import InputError, check_radians, check_range, quoted
 from insectnav.datasets.table_columns import LENGTHS, find_columns, likely_slip, listed
-from insectnav.datasets.track_table import open_table, read_numbers
+from insectnav.datasets.text_tables import open_table, read_numbers
 from insectnav.records import Poses
 
 # Names of columns, and how many of the record's unit one of theirs is.

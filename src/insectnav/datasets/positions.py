@@ -19,8 +19,9 @@ from insectnav.datasets.frame_times import frame_name
 from insectnav.datasets.gps import SNIFFED, gps_kind, local_plane, read_gps
 from insectnav.datasets.gps_track import GpsTrack, check_degrees
 from insectnav.datasets.table_columns import LENGTHS, find_columns, likely_slip, listed
+from insectnav.datasets.text_tables import open_table, read_columns
 from insectnav.datasets.time_columns import FRAMES, NAMES, TIMES, whole_numbers
-from insectnav.datasets.track_table import open_table, read_columns
+from insectnav.records import read_only
 
 MAX_GAP_S = 3.0  # [s] ours: a receiver gives a fix a second, and at a walk 3 s are 4 m
 MAX_LENGTH = 1e7  # [m] of a position from its origin
@@ -72,12 +73,12 @@ class Positions:
             raise InputError(
                 "positions have neither times, numbers of frames nor names of frames, expected one of these"
             )
-        object.__setattr__(self, "position", _read_only(position, float))
+        object.__setattr__(self, "position", read_only(position, float))
         for key, dtype in {"time": float, "frame": np.int64, "segment": np.int64}.items():
             if (values := getattr(self, key)) is not None:
                 array = as_numbers(key, values)
                 check_shape(key, array, (len(position),))
-                object.__setattr__(self, key, _read_only(array, dtype))
+                object.__setattr__(self, key, read_only(array, dtype))
         if self.name is not None and len(self.name) != len(position):
             raise InputError(f"there are {len(self.name)} names, expected {len(position)}, one for each position")
 
@@ -302,9 +303,3 @@ def _check_columns(header: list[str], found: set[str]) -> None:
             f"no column of a time or a frame among {listed(header)}, expected time_s (or ms, ns), frame or file"
             f"{likely_slip(header, ('time', 't', 'timestamp'))}"
         )
-
-
-def _read_only(array: npt.NDArray[Any], dtype: type) -> npt.NDArray[Any]:
-    copy: npt.NDArray[Any] = np.array(array, dtype)
-    copy.flags.writeable = False
-    return copy

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_choice, quoted
 from insectnav.datasets.bag_pictures import is_exchanged, picture_of
-from insectnav.datasets.bounded_chunks import bound_chunks, unpacked_folder, unpacker_of_messages
+from insectnav.datasets.bag_unpacking import bound_chunks, unpacked_folder, unpacker_of_messages
 from insectnav.datasets.gps import local_plane
 from insectnav.datasets.gps_track import MAX_FIXES
 from insectnav.datasets.positions import Positions

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from insectnav.checks import InputError, quoted
-from insectnav.datasets.track_table import NUMBER
+from insectnav.datasets.text_tables import NUMBER
 
 LENGTHS = {"_m": 1.0, "_cm": 0.01, "_mm": 0.001}  # endings of names, and how many metres one of theirs is
 _UNIT = re.compile(r"\s*[\[(]\s*(\w+)\s*[\])]$")  # "time [s]", "x (cm)"
@@ -43,8 +43,9 @@ def plain_name(name: str) -> str:
 
 
 def listed(header: Sequence[str]) -> str:
-    """Names of columns inside a sentence."""
-    return ", ".join(quoted(name.strip()) for name in header[:12])
+    """Names of columns inside a sentence, the first twelve of them."""
+    more = f" and {len(header) - 12} more" if len(header) > 12 else ""
+    return ", ".join(quoted(name.strip()) for name in header[:12]) + more
 
 
 def likely_slip(header: Sequence[str], absent: Sequence[str] = ()) -> str:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -17,8 +16,9 @@ from insectnav.checks import (
     check_range,
     quoted,
 )
+from insectnav.datasets.table_columns import likely_slip, listed
+from insectnav.datasets.text_tables import open_table, read_numbers
 from insectnav.datasets.track_gaps import GapLimits, Samples, fill_gaps
-from insectnav.datasets.track_table import NUMBER, open_table, read_numbers
 from insectnav.records import Track
 
 MIN_SAMPLES = 10
@@ -143,7 +143,10 @@ def _choose_columns(header: list[str]) -> _Columns:
     }
     absent = [meaning for meaning, columns in found.items() if not columns]
     if absent:
-        _refuse_header(header, absent)
+        raise InputError(
+            f"no column for {' and '.join(absent)} among {listed(header)}, expected a time (t_s, time_s, time or "
+            f"frame), x and y (x_m, x_cm, x_mm or x, and y alike){likely_slip(header)}"
+        )
     time, x, y = (_only(meaning, columns) for meaning, columns in found.items())
     if x.unit != y.unit:
         raise InputError(f"x and y differ in unit (columns {x.label} and {y.label}), expected the same unit")
@@ -165,20 +168,6 @@ def _only(meaning: str, found: list[_Column]) -> _Column:
         labels = " and ".join(column.label for column in found[:2])
         raise InputError(f"both {labels} could be the {meaning} column, expected one: delete the other")
     return found[0]
-
-
-def _refuse_header(header: list[str], absent: list[str]) -> NoReturn:
-    found = ", ".join(quoted(name.strip()) for name in header[:12])
-    more = f" and {len(header) - 12} more" if len(header) > 12 else ""
-    slip = ""
-    if all(NUMBER.fullmatch(name.strip()) for name in header):
-        slip = ": does the table lack its header?"
-    elif len(header) == 1:
-        slip = ": is the separator a tab, comma or semicolon?"
-    raise InputError(
-        f"no column for {' and '.join(absent)} among {found}{more}, expected a time (t_s, time_s, time or frame), "
-        f"x and y (x_m, x_cm, x_mm or x, and y alike){slip}"
-    )
 
 
 def _check_time(time: Floats, rows: npt.NDArray[np.int64], columns: _Columns) -> None:

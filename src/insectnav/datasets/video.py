@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_count, quoted
-
-MAX_PIXELS = 200_000_000  # of a frame
+from insectnav.datasets.image_folder import MAX_PIXELS
 
 
 class VideoFacts(NamedTuple):

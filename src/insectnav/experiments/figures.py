@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -48,6 +49,10 @@ STYLE: Any = {
     "pdf.fonttype": 42,  # text stays text
     "svg.fonttype": "none",
 }
+_FILES: dict[str, dict[str, Any]] = {  # how each kind of file is written
+    "png": {"dpi": PNG_DPI, "metadata": {"Software": None}, "pil_kwargs": {"compress_level": 1}},
+    "pdf": {"dpi": 300, "metadata": {"CreationDate": None}},
+}
 
 
 def journal_style() -> Any:
@@ -70,13 +75,17 @@ def letter_panels(panels: Iterable[Axes]) -> None:
 
 def save_figure(figure: Figure, folder: Path, name: str = "figure", kinds: Sequence[str] = ("png", "pdf")) -> None:
     """Write ``name``.png (200 dpi) and ``name``.pdf, without a date so that equal figures are equal files."""
-    options: dict[str, dict[str, Any]] = {
-        "png": {"dpi": PNG_DPI, "metadata": {"Software": None}, "pil_kwargs": {"compress_level": 1}},
-        "pdf": {"dpi": 300, "metadata": {"CreationDate": None}},
-    }
     with journal_style(), _laid_out(figure):
         for kind in kinds:
-            figure.savefig(folder / f"{name}.{kind}", **options[kind])
+            figure.savefig(folder / f"{name}.{kind}", **_FILES[kind])
+
+
+def png_of(figure: Figure) -> bytes:
+    """The PNG that `save_figure` would write, for a figure that goes onto a page and into no file."""
+    data = io.BytesIO()
+    with journal_style(), _laid_out(figure):
+        figure.savefig(data, format="png", **_FILES["png"])
+    return data.getvalue()
 
 
 @contextmanager

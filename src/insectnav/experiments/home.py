@@ -20,7 +20,8 @@ from insectnav.central_complex import PRESETS, VARIANTS, circuit_params, decode_
 from insectnav.checks import InputError, check_choice, check_count, check_range
 from insectnav.experiments.figure_process import HOME_FIGURE, FigureProcess
 from insectnav.experiments.results import PROVENANCE, provenance, results_folder, to_json, write_arrays, write_table
-from insectnav.metrics.path_integration import bearing_error, distance_left, length_ratio, summary, tortuosity
+from insectnav.metrics.path_integration import bearing_error, length_ratio, summary
+from insectnav.metrics.straightness import distance_left, tortuosity
 from insectnav.records import Track
 
 Reals = NDArray[np.floating[Any]]

@@ -107,6 +107,6 @@ def compare_methods(rows: Sequence[Row]) -> list[dict[str, Any]]:
                 {"quantity": quantity, "method": one, "other": other, "images": len(shared)}
                 | {"mean_difference": float(np.mean(np.subtract(first, second)))}
                 | {"wilcoxon_statistic": rank.statistic, "wilcoxon_p": rank.p}
-                | {"variance_ratio": spread.statistic, "variance_p": spread.p}
+                | {"variance_ratio": spread.ratio, "variance_p": spread.p}
             )
     return tests

@@ -9,7 +9,12 @@ from insectnav.matching.compass import (
     turn_matrix,
     turns_of_matches,
 )
-from insectnav.matching.constellations import ConstellationIndex, ConstellationParams, constellation_index, locate
+from insectnav.matching.constellations import (
+    ConstellationIndex,
+    ConstellationParams,
+    constellation_index,
+    locate_by_constellations,
+)
 from insectnav.matching.difference import METRICS, References, difference_matrix, prepare_references
 from insectnav.matching.fabmap import FabMapMatches, FabMapParams, fabmap
 from insectnav.matching.fabmap_store import FabMapModel, open_fabmap, save_fabmap
@@ -52,7 +57,7 @@ __all__ = [
     "disk_turn_matrix",
     "enhance_contrast",
     "fabmap",
-    "locate",
+    "locate_by_constellations",
     "locate_next",
     "merge_maps",
     "nearest_view",

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from insectnav.angles import wrap
 from insectnav.checks import InputError, as_numbers, check_count, check_range, check_shape
+from insectnav.matching.difference import pack_bits
 from insectnav.workers import run_blocks
 
 Reals = NDArray[np.floating[Any]]
@@ -152,12 +153,13 @@ def _best_disk_turns(
     right, up = (axis.ravel() for axis in np.meshgrid(place, -place))
     is_inside = np.hypot(right, up) <= 1.0
     right, up, n_inside = right[is_inside], up[is_inside], float(is_inside.sum())
-    words, pixels = _packed(reference.reshape(len(reference), -1)[:, is_inside]), query.reshape(len(query), -1)
+    words = pack_bits("references", reference.reshape(len(reference), -1)[:, is_inside])
+    pixels = query.reshape(len(query), -1)
     difference, turn = np.full((len(query), len(reference)), np.inf), np.zeros((len(query), len(reference)))
     share = np.empty((len(query), len(reference)))
     for k in range(n_turns):
         angle = 2.0 * np.pi * k / n_turns
-        turned = _packed(np.take(pixels, _turned_pixels(right, up, angle, size), axis=1))
+        turned = pack_bits("queries", np.take(pixels, _turned_pixels(right, up, angle, size), axis=1))
 
         def count(first: int, last: int, turned: NDArray[np.uint64] = turned) -> None:
             count_unequal_bits(turned[first:last], words, n_inside, share[first:last])
@@ -265,9 +267,3 @@ def _turned_pixels(right: Reals, up: Reals, angle: float, size: int) -> Integers
     along = right * np.cos(angle) + up * np.sin(angle), right * np.sin(angle) - up * np.cos(angle)
     column, row = (((axis + 1.0) * (size / 2.0) + 1e-9).astype(np.int64) for axis in along)
     return np.asarray(np.minimum(row, size - 1) * size + np.minimum(column, size - 1))
-
-
-def _packed(bits: NDArray[np.bool_]) -> NDArray[np.uint64]:
-    from insectnav.matching.difference import pack_bits
-
-    return pack_bits("skies", bits)

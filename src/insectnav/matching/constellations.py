@@ -76,7 +76,7 @@ class Hits(NamedTuple):
 
 
 def constellation_index(references: ArrayLike, params: ConstellationParams | None = None) -> ConstellationIndex:
-    """Constellations of a route, to be looked up with `locate`.
+    """Constellations of a route, to be looked up by `locate_by_constellations`.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def constellation_index(references: ArrayLike, params: ConstellationParams | Non
     )
 
 
-def locate(index: ConstellationIndex, queries: ArrayLike) -> Matches:
+def locate_by_constellations(index: ConstellationIndex, queries: ArrayLike) -> Matches:
     """The place on the route for which most constellations about each query vote.
 
     Parameters

@@ -31,7 +31,7 @@ class PieceLines(NamedTuple):
     piece: Piece
     start: Integers  # of the best line, by number of the place
     speed: Integers  # number of its speed
-    sums: Reals  # (sequence, 4), as of `place_kernel.search_piece`
+    sums: Reals  # (sequence, 4), as of `place_pieces_kernel.search_piece`
     left: Reals  # (sequence, window) sums of the first starts
     right: Reals  # (sequence, window) sums of the last starts
     least: float  # contrast of its places, if the baseline is that observed
@@ -74,7 +74,7 @@ def map_pieces(routes: Integers, params: SeqSlamParams, size: int = STARTS_PER_P
 
 def piece_contrast(piece: Piece, difference: Reals, params: SeqSlamParams) -> Reals:
     """Contrasts (query, place) of a piece from its first start to its end, of the differences of all it needs."""
-    from insectnav.matching.place_kernel import enhance_piece
+    from insectnav.matching.place_pieces_kernel import enhance_piece
 
     out = np.empty((len(difference), piece.end - piece.first))
     enhance_piece(difference, params.contrast_window // 2, params.flat, piece.first - piece.low, out)
@@ -90,12 +90,12 @@ def search_piece(piece: Piece, contrast: Reals, params: SeqSlamParams) -> PieceL
     contrast : (query, place) array of `piece_contrast`
     params : SeqSlamParams
     """
-    from insectnav.matching import place_kernel
+    from insectnav.matching import place_pieces_kernel
 
     n_sequences, half, n_starts = len(contrast) - params.n_steps, params.unique_window // 2, piece.last - piece.first
     start, speed = np.empty(n_sequences, np.int64), np.empty(n_sequences, np.int64)
     sums, left, right = np.empty((n_sequences, 4)), np.empty((n_sequences, half)), np.empty((n_sequences, half))
-    place_kernel.search_piece(contrast, params.offsets, n_starts, half, start, speed, sums, left, right)
+    place_pieces_kernel.search_piece(contrast, params.offsets, n_starts, half, start, speed, sums, left, right)
     least = float(contrast[:, :n_starts].min()) if params.baseline == "observed" else np.inf
     return PieceLines(piece, start + piece.first, speed, sums, left, right, least)
 

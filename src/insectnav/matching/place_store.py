@@ -1,4 +1,4 @@
-"""A map of places on disk: arrays in the format of zarr, in folders that appear whole or not at all.
+"""Arrays on disk in the format of zarr, in folders that appear whole or not at all: of maps of places, and of FAB-MAP.
 
 A folder of arrays holds one file for each, uncompressed, which is mapped into memory. Arrays of others are data: their
 description must be one that this module writes, and the file must have just the size that it says.

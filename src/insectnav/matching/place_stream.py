@@ -8,8 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from insectnav.checks import InputError
 from insectnav.matching.difference import References
+from insectnav.matching.place_exact_search import Landscape, checked_queries, known_frames, matches_of_lines
 from insectnav.matching.place_index import PlaceIndex
-from insectnav.matching.place_lookup import best_line, check_baseline
+from insectnav.matching.place_index_search import best_line, check_baseline
 from insectnav.matching.place_pieces import (
     STARTS_PER_PIECE,
     Lines,
@@ -19,7 +20,6 @@ from insectnav.matching.place_pieces import (
     piece_contrast,
     search_piece,
 )
-from insectnav.matching.place_search import Landscape, checked_queries, known_frames, matches_of_lines
 from insectnav.matching.seqslam import Matches, SeqSlamParams
 from insectnav.matching.stream import StreamMatch, later, match_so_far
 

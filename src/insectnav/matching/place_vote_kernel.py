@@ -105,8 +105,7 @@ def score_neighbourhoods(
         score_starts(contrast, 0, offsets, score[: end - first], total)
         for s in range(last - first):
             sums[n], starts[n], route[n] = score[s], first + s, pieces[p, 0]
-            is_better = score[s] < lowest or (score[s] == lowest and first + s < best_start)
-            if is_better and score[s] < np.inf:
+            if score[s] < lowest:  # neighbourhoods are in order, so that the first of equal starts stays
                 lowest, best, best_start = score[s], n, first + s
                 speed = best_speed(contrast, 0, offsets, s)
             n += 1

@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from insectnav.checks import InputError, check_choice
 from insectnav.matching.place_about import MapAbout
 from insectnav.matching.place_arrays import PlaceArrays, joined, new_places, no_places, read_places
+from insectnav.matching.place_cluster_search import cluster_matches
+from insectnav.matching.place_exact_search import Landscape, check_routes, checked_queries, exact_matches, landscape_of
 from insectnav.matching.place_freeze import frozen
 from insectnav.matching.place_index import METRICS_WITH_INDEX, PlaceIndex, read_index
-from insectnav.matching.place_lookup import indexed_matches
+from insectnav.matching.place_index_search import indexed_matches
 from insectnav.matching.place_record import MapRecord, read_record, write_record
-from insectnav.matching.place_search import Landscape, check_routes, checked_queries, exact_matches, landscape_of
 from insectnav.matching.place_segments import SEGMENTS, Segments, add_segment, read_segments
-from insectnav.matching.place_shards import cluster_matches
 from insectnav.matching.place_store import DamagedError, only_writer, shown, whole_folder, written
 from insectnav.matching.place_stream import MapStream, begin_map_stream
 from insectnav.matching.seqslam import Matches, SeqSlamParams
@@ -226,7 +226,8 @@ class PlaceMap:
             In the order in which they were taken; a row of NaN for a frame that is missing.
         params : SeqSlamParams
         about : of the queries; refused if they were described in another way than the map
-        search : "exact" compares with all places, "index" with those that an index proposes
+        search : "exact" compares with all places, "index" with those that an index proposes, which frozen maps have;
+            "auto" takes the index where there is one and the map has more than 60 000 places
         workers : threads; they change nothing in the results
         cluster : address or client of a Dask cluster, whose workers compare with all places and see the folder
 

@@ -278,7 +278,9 @@ def build_rotation_index(
     -----
     The mean over the overlap for all rotations: for each tilt of the query correlations along azimuth, by Fourier
     transform. Sums that depend on the reference's mask alone are made once for all references that share it, so that
-    one correlation is left for each pair of views for the score "difference", three for "correlation".
+    one correlation is left for each pair of views for the score "difference", three for "correlation". Matches are
+    refined at 2000 points of the sphere, 4.5° apart, and in the end at 6000, 2.8° apart. A blurred view is seen where
+    at least half of the Gaussian about it is.
     """
     from insectnav.matching.rotation_search import ring_spectra, tilt_rotations
 

@@ -111,8 +111,8 @@ def enhance_contrast(
 ) -> Reals:
     """Each difference less the mean of its neighbours, over their standard deviation, (reference, query) float64.
 
-    ``E[i, j] = (D[i, j] − mean) / std`` of ``D[i − 5 … i + 5, j]``, standard deviation over n − 1, fewer at the ends;
-    then less the baseline, so that none is negative.
+    ``E[i, j] = (D[i, j] − mean) / std`` of ``D[i − w … i + w, j]``, w half the contrast window, standard deviation over
+    n − 1, fewer at the ends; then less the baseline, so that none is negative.
 
     Parameters
     ----------
@@ -139,8 +139,8 @@ def enhance_contrast(
     """
     params = params or SeqSlamParams()
     rows = _checked_rows(difference, params)
-    out, is_seen = np.empty(rows.shape), np.empty(len(rows), bool)
-    least = _enhance(rows, params, out, is_seen, workers)
+    out = np.empty(rows.shape)
+    least = _enhance(rows, params, out, workers)
     out -= least if params.baseline == "observed" else params.bound
     return out.T
 
@@ -172,16 +172,14 @@ def seqslam(difference: ArrayLike, params: SeqSlamParams | None = None, *, worke
     -----
     Milford & Wyeth, ICRA 2012, doi 10.1109/ICRA.2012.6224623, in the form of OpenSeqSLAM v1 (Sünderhauf, Neubert &
     Protzel 2013): contrast enhanced; for query N lines from each start s through the differences of queries
-    N − ds/2 … N + ds/2, at speeds 0.8 … 1.2 in steps of 1/ds, row ``s + floor(v k)`` at step k; the score is the least
-    sum over the least of starts outside ±R_window/2. A line that runs beyond the last reference does not count.
+    N − ds/2 … N + ds/2, at speeds from slowest to fastest in steps of 1/ds, row ``s + floor(v k)`` at step k; the score
+    is the least sum over the least of starts outside ±R_window/2. A line that runs beyond the last reference does not
+    count.
     """
     params = params or SeqSlamParams()
     rows = _checked_rows(difference, params)
     params.check_length(len(rows), "query", "queries")
-    baseline = params.bound
-    if params.baseline == "observed":
-        least = _least_contrast(rows, params, workers)
-        baseline = least
+    baseline = _enhance(rows, params, None, workers) if params.baseline == "observed" else params.bound
     n_sequences = len(rows) - params.n_steps
     found = (np.empty(n_sequences, np.int64), np.empty(n_sequences), np.empty(n_sequences, np.int64))
     run_blocks(lambda *block: _search(rows, params, baseline, found, *block), n_sequences, QUERIES_PER_BLOCK, workers)
@@ -222,30 +220,16 @@ def _checked_rows(difference: ArrayLike, params: SeqSlamParams) -> Reals:
     return rows
 
 
-def _enhance(rows: Reals, params: SeqSlamParams, out: Reals, is_seen: NDArray[np.bool_], workers: int | None) -> float:
-    """Fill contrasts and which queries were seen; the least contrast."""
-    from insectnav.matching.sequence_kernel import enhance_rows
-
-    least = []
-
-    def run(first: int, last: int) -> None:
-        block = slice(first, last)
-        least.append(enhance_rows(rows[block], params.contrast_window // 2, params.flat, out[block], is_seen[block]))
-
-    run_blocks(run, len(rows), QUERIES_PER_BLOCK, workers)
-    return min(least)
-
-
-def _least_contrast(rows: Reals, params: SeqSlamParams, workers: int | None) -> float:
-    """The least contrast of the whole matrix, which is not kept."""
+def _enhance(rows: Reals, params: SeqSlamParams, out: Reals | None, workers: int | None) -> float:
+    """Fill contrasts (query, reference), unless they are not to be kept; the least of them."""
     from insectnav.matching.sequence_kernel import enhance_rows
 
     least = []
 
     def run(first: int, last: int) -> None:
         block = rows[first:last]
-        out, is_seen = np.empty(block.shape), np.empty(len(block), bool)
-        least.append(enhance_rows(block, params.contrast_window // 2, params.flat, out, is_seen))
+        contrast, is_seen = np.empty(block.shape) if out is None else out[first:last], np.empty(len(block), bool)
+        least.append(enhance_rows(block, params.contrast_window // 2, params.flat, contrast, is_seen))
 
     run_blocks(run, len(rows), QUERIES_PER_BLOCK, workers)
     return min(least)

@@ -104,7 +104,8 @@ def build_vocabulary(
     -----
     Cummins & Newman 2008, IJRR 27, doi 10.1177/0278364908090961, after Sivic & Zisserman 2003: words are groups of
     features. They and OpenFABMAP group SURF features by their distance to the first of a group; here it is k-means of
-    scikit-learn, which takes the number of words. SIFT: Lowe 2004, doi 10.1023/B:VISI.0000029664.99615.94.
+    scikit-learn, which takes the number of words, of at most 30 steps from one choice of first centres. SIFT: Lowe
+    2004, doi 10.1023/B:VISI.0000029664.99615.94.
     """
     check_choice("detector", detector, DETECTORS)
     features = [local_features(image, detector) for image in images]

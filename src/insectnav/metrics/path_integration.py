@@ -1,4 +1,4 @@
-"""How well a path integrator came home: distances, decoded vectors, straightness."""
+"""How well a path integrator came home: distances summarised, decoded vectors, direction of departure."""
 
 from typing import Any, NamedTuple
 
@@ -52,50 +52,6 @@ def length_ratio(decoded: ArrayLike, true: ArrayLike) -> Reals:
     """
     length = np.linalg.norm(true, axis=-1)
     return np.linalg.norm(decoded, axis=-1) / np.where(length > 0.0, length, np.nan)
-
-
-def distance_left(path: ArrayLike) -> Reals:
-    """Share of the way still to go when an agent has walked as far as the nest was, (trial,); 0 is a straight line.
-
-    Parameters
-    ----------
-    path : (trial, step, 2) array
-        Ways home, from the turning point on; the nest is at 0, 0.
-
-    Returns
-    -------
-    (trial,) array
-        Running minimum of the distance to the nest at path length L, over L, where L is the straight distance at the
-        start; NaN for a path shorter than L, or with L = 0.
-
-    Notes
-    -----
-    The definition that Stone et al. 2017, Fig. 5e, plots. Between two samples the nearest approach so far counts at the
-    path length of the later one.
-    """
-    path = np.asarray(path, float)
-    check_shape("path", path, ("trial", "step", 2))
-    if path.shape[1] < 2:
-        return np.full(len(path), np.nan)
-    walked = np.cumsum(np.linalg.norm(np.diff(path, axis=1), axis=-1), axis=1)
-    nearest = np.minimum.accumulate(np.linalg.norm(path, axis=-1), axis=1)
-    straight = nearest[:, 0]
-    is_far_enough = walked >= straight[:, None]
-    step = np.argmax(is_far_enough, axis=1) + 1
-    left = nearest[np.arange(len(path)), step] / np.where(straight > 0.0, straight, np.nan)
-    return np.where(is_far_enough.any(axis=1), left, np.nan)
-
-
-def tortuosity(left: ArrayLike) -> float:
-    """L/C of Stone et al. 2017, Fig. 5e: 1 / (1 − mean share of the way left); 1 is a straight line.
-
-    Parameters
-    ----------
-    left : (trial,) array
-        From `distance_left`; NaN are left out.
-    """
-    mean = summary(left).mean
-    return float("inf") if mean >= 1.0 else 1.0 / (1.0 - mean)
 
 
 def departure_error(path: ArrayLike, radius: float) -> Reals:

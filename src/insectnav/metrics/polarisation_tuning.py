@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from insectnav.angles import wrap
 from insectnav.checks import InputError, as_numbers, check_finite, check_radians, check_range, check_shape
 from insectnav.metrics.physiology import MIN_ANGLES
-from insectnav.metrics.stimulus_angles import AngleHistogram, angle_histogram, period_of, spike_angles
+from insectnav.metrics.stimulus_angles import MIN_SPEED, AngleHistogram, angle_histogram, period_of, spike_angles
 
 Reals = NDArray[np.floating[Any]]
 
@@ -186,7 +186,7 @@ def polarisation_tuning(
     axial: bool = True,
     alpha: float = 0.05,
     bin_width_deg: float = 10.0,
-    min_speed: float = np.deg2rad(10.0),
+    min_speed: float = MIN_SPEED,
     max_bias: float = 0.25,
 ) -> PolarisationTuning:
     """Spike angles, Rayleigh test, histogram and tuning width for turns either way, and the shift between them.

@@ -1,7 +1,5 @@
 """How an animal searches when it is home and has not found the nest: arrival, loops, centre, turns towards home."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

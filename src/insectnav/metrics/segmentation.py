@@ -83,12 +83,6 @@ def skyline(mask: ArrayLike, valid: ArrayLike | None = None) -> Reals:
     return np.concatenate([np.argwhere(down) + np.array([0.5, 0.0]), np.argwhere(right) + np.array([0.0, 0.5])])
 
 
-def skyline_heights(mask: ArrayLike) -> NDArray[np.int64]:
-    """Rows of sky from the top of each column down to the first ground, (..., columns) [px], in a view ahead."""
-    sky = np.asarray(mask, dtype=bool)
-    return np.where(sky.all(axis=-2), sky.shape[-2], np.argmin(sky, axis=-2))
-
-
 def label_entropy(masks: ArrayLike) -> Reals:
     """Entropy of the label of each pixel over a time lapse [bit], (rows, columns); its mean is the published measure.
 
@@ -119,7 +113,8 @@ def label_correlation(masks: ArrayLike) -> Reals:
     -----
     r(x, y) = cov*(x, y) / sqrt(var*(x) var*(y)), Stone et al. (2014), Eq. 3.
     """
-    labels = _stack(masks).reshape(len(_stack(masks)), -1).astype(np.float32)
+    stack = _stack(masks)
+    labels = stack.reshape(len(stack), -1).astype(np.float32)
     labels -= labels.mean(axis=1, keepdims=True, dtype=np.float64).astype(np.float32)
     covariance = (labels @ labels.T).astype(np.float64)
     deviation = np.sqrt(np.diag(covariance))

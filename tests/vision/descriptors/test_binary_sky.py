@@ -102,3 +102,19 @@ def test_bad_masks_are_refused():
         binary_sky(np.ones((4, 4), int))
     with pytest.raises(InputError, match="size is 0"):
         binary_sky(np.ones((4, 4)), 0)
+
+
+def test_a_pixel_half_of_which_is_sky_is_none():
+    mask = np.zeros((8, 8), bool)
+    mask[:, ::2] = True  # one of two columns
+    assert not binary_sky(mask, 4, isolate=False, centre=False).any()
+    mask[0, 1] = True  # three of four pixels in one corner
+    assert np.flatnonzero(binary_sky(mask, 4, isolate=False, centre=False)).tolist() == [0]
+
+
+def test_pixels_that_touch_by_a_corner_are_one_region():
+    mask = np.zeros((9, 9), bool)
+    mask[4, 4] = mask[3, 3] = mask[2, 2] = mask[0, 8] = True
+    expected = mask.copy()
+    expected[0, 8] = False
+    assert_array_equal(middle_region(mask), expected)

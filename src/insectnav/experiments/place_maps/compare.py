@@ -13,7 +13,7 @@ from insectnav.experiments.place_maps.describe import COMPARED, ROTATED, Describ
 from insectnav.experiments.place_maps.view_cameras import grid, grid_resampler
 from insectnav.matching.compass import TurnMatrix, turn_matrix, turns_of_matches
 from insectnav.matching.difference import prepare_references
-from insectnav.matching.place_search import matches_of_differences
+from insectnav.matching.place_exact_search import matches_of_differences
 from insectnav.matching.places import MapAbout, PlaceMap
 from insectnav.matching.rotation import build_rotation_index
 from insectnav.matching.rotation_matches import RotationMatches

@@ -15,7 +15,7 @@ import numpy as np
 
 from insectnav.checks import InputError, quoted
 from insectnav.datasets.image_folder import as_text
-from insectnav.experiments.figures import save_figure
+from insectnav.experiments.figures import png_of, save_figure
 from insectnav.experiments.place_maps import figures
 from insectnav.experiments.place_maps.describe import ROTATED, TURNED
 from insectnav.experiments.place_maps.locate import LocateParams, Search
@@ -146,7 +146,7 @@ def leave(
     title : of the page
     """
     result = summary(search, params, place_map)
-    table = table_text(search.found)
+    table, page = table_text(search.found), None
     if places.folder is not None:
         with results_folder(places.folder, "--out-dir") as folder, written_to(places.folder, "--out-dir"):
             (folder / TABLE).write_text(table, encoding="utf-8", newline="")
@@ -157,7 +157,7 @@ def leave(
             made = provenance(sum(search.seconds.values()))
             (folder / PROVENANCE).write_text(to_json(made) + "\n", encoding="utf-8")
     if places.page is not None:
-        _write_whole("--page", Path(places.page), page_text(search, params, place_map, title))
+        _write_whole("--page", Path(places.page), page or page_text(search, params, place_map, title))
     if places.table is not None:
         _write_whole("--out", Path(places.table), table)
     return result
@@ -202,10 +202,8 @@ def page_text(search: Search, params: LocateParams, place_map: PlaceMap, title: 
     wanted = [query for _, query in chosen_pairs(found)]
     pictures = find_thumbnails(place_map.path, sorted({int(found.reference[query]) for query in wanted}))
     pairs = shown_pairs(found, search.pictures, pictures)
-    drawn = _drawn(search, place_map)
+    plots = [_plot(folder, *drawing) for drawing in _drawn(search, place_map)]
     if folder is not None:
-        for name, figure, _, _ in drawn:
-            save_figure(figure, folder, name)
         shown = [(p.title, picture_of(p.query[0]), picture_of(p.match[0])) for p in pairs]
         both = [(pair_title, one, two) for pair_title, one, two in shown if one is not None and two is not None]
         if both:
@@ -216,7 +214,7 @@ def page_text(search: Search, params: LocateParams, place_map: PlaceMap, title: 
             title=title,
             lead=lead_sentence(values),
             tiles=tiles(values),
-            plots=[_plot(name, figure, heading, caption) for name, figure, heading, caption in drawn],
+            plots=plots,
             pairs=pairs,
             numbers=numbers_in_words(values),
             settings=settings_in_words(search, params, place_map),
@@ -277,12 +275,12 @@ def _route_caption(found: Located) -> Caption:
     return [(letter, f"{text}.") for letter, text in zip("abc", said, strict=False)]
 
 
-def _plot(name: str, figure: Figure, heading: str, caption: Sequence[tuple[str, str]]) -> Plot:
-    from insectnav.experiments.figures import journal_style
-
-    data = io.BytesIO()
-    with journal_style():
-        figure.savefig(data, format="png", dpi=200, metadata={"Software": None})
-    png = data.getvalue()
+def _plot(folder: Path | None, name: str, figure: Figure, heading: str, caption: Sequence[tuple[str, str]]) -> Plot:
+    """A figure as it stands on the page; drawn once, also where it goes into a folder."""
+    if folder is None:
+        png = png_of(figure)
+    else:
+        save_figure(figure, folder, name)
+        png = (folder / f"{name}.png").read_bytes()
     size = (int.from_bytes(png[16:20], "big"), int.from_bytes(png[20:24], "big"))
     return Plot(name=name, heading=heading, caption=caption, png=png, size=size)

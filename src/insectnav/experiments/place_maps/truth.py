@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from insectnav.checks import InputError, check_range, quoted
 from insectnav.datasets.frame_times import frame_name
-from insectnav.datasets.track_table import open_table, read_columns
+from insectnav.datasets.text_tables import open_table, read_columns
 from insectnav.metrics.place_truth import true_matches_by_frames, true_matches_by_position, within
 from insectnav.metrics.retrieval import position_error
 

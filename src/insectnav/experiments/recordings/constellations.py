@@ -18,7 +18,7 @@ from insectnav.matching import (
     SeqSlamParams,
     constellation_index,
     difference_matrix,
-    locate,
+    locate_by_constellations,
     seqslam,
 )
 from insectnav.vision.descriptors import patch_normalised
@@ -92,7 +92,7 @@ def simulate(cell: Cell, seed: int) -> Arrays:
 
 def _match(way: str, known: NDArray[Any], seen: NDArray[Any]) -> Matches:
     if way.startswith(CONSTELLATIONS):
-        return locate(constellation_index(known), seen)
+        return locate_by_constellations(constellation_index(known), seen)
     slowest, fastest = (0.5, 2.0) if way.startswith(LENIENT) else (0.8, 1.2)
     difference = difference_matrix(known, seen)
     return seqslam(difference, SeqSlamParams(sequence_length=20, slowest=slowest, fastest=fastest))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from insectnav.metrics.statistics import paired_test
+from insectnav.metrics.paired_tests import paired_wilcoxon
 
 N_REFERENCES = 20
 
@@ -30,7 +30,7 @@ def area_row(areas: ArrayLike) -> dict[str, Any]:
 def paired_row(first: ArrayLike, second: ArrayLike, against: str) -> dict[str, Any]:
     """Areas (place,) against those of another comparison at the same places: ratio of means, and Wilcoxon's test."""
     ratio, error = ratio_of_means(first, second)
-    found = paired_test(first, second)
+    found = paired_wilcoxon(first, second)
     return {
         f"over_{against}": ratio,
         f"over_{against}_standard_error": error,

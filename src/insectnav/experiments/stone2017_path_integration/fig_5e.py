@@ -14,9 +14,8 @@ from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN
 from insectnav.experiments.published import Published, Verdict, judge
 from insectnav.experiments.stone2017_path_integration.trips import N_STEPS, PRESET_NAMES, random_trips, ways_home
-from insectnav.metrics.path_integration import distance_left, tortuosity
 from insectnav.metrics.statistics import bootstrap_error
-from insectnav.metrics.straightness import distance_left_along
+from insectnav.metrics.straightness import distance_left, distance_left_along, tortuosity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,7 +81,7 @@ def summarise(results: Results) -> Table:
 
 
 def _tortuosity(left: NDArray[Any], axis: int) -> NDArray[Any]:
-    """`insectnav.metrics.path_integration.tortuosity` along an axis."""
+    """`insectnav.metrics.straightness.tortuosity` along an axis."""
     return 1.0 / (1.0 - np.mean(left, axis=axis))
 
 

@@ -23,7 +23,8 @@ from insectnav.experiments.stone2017_path_integration.columns import (
 )
 from insectnav.experiments.stone2017_path_integration.straight_flights import Route, fly, straight_flight
 from insectnav.experiments.stone2017_path_integration.trips import HOME_RANGE, N_STEPS, PRESET_NAMES
-from insectnav.metrics.path_integration import departure_error, distance_left, tortuosity
+from insectnav.metrics.path_integration import departure_error
+from insectnav.metrics.straightness import distance_left, tortuosity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,4 +1,4 @@
-"""Descriptors of views: panoramas in, vectors out, which are compared by their Euclidean distance."""
+"""Descriptors of views: pictures or panoramas in, vectors out, each with the metric by which they are compared."""
 
 from functools import partial
 

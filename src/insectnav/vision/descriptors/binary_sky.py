@@ -60,6 +60,15 @@ def panorama_binary_sky(views: ArrayLike, size: int = SIZE) -> Bools:
         Panoramas up to the zenith, bright where there is sky.
     size : int
         Rows and columns of the result.
+
+    Raises
+    ------
+    InputError
+        As of `wrap_to_disk`.
+
+    Notes
+    -----
+    The disk has the 210 pixels that `wrap_to_disk` gives it; a pixel at least half as bright as can be is sky.
     """
     return binary_sky(wrap_to_disk(views) >= 0.5, size)
 

@@ -30,10 +30,7 @@ def brightness(views: ArrayLike) -> Reals:
         If the views are empty, not finite or of another type.
     """
     array = as_views(views)
-    if array.dtype.kind == "f":
-        return array
-    largest = 1.0 if array.dtype.kind == "b" else float(np.iinfo(array.dtype).max)
-    return array.astype(np.float32) / np.float32(largest)
+    return array if array.dtype.kind == "f" else array.astype(np.float32) / np.float32(_white(array.dtype))
 
 
 def as_views(views: ArrayLike) -> NDArray[Any]:
@@ -54,17 +51,18 @@ def as_views(views: ArrayLike) -> NDArray[Any]:
     return array
 
 
+def _white(dtype: np.dtype[Any]) -> float:
+    """The largest number of a type of whole numbers, or True."""
+    return 1.0 if dtype.kind == "b" else float(np.iinfo(dtype).max)
+
+
 def batches(views: NDArray[Any]) -> Iterator[tuple[slice, NDArray[np.float64]]]:
     """Slices of the views (n, rows, columns) and their brightness in double precision, a few views at a time."""
     size = max(1, PIXELS_AT_ONCE // max(1, views[:1].size))
     for first in range(0, len(views), size):
         piece = slice(first, min(first + size, len(views)))
-        values = views[piece]
-        if values.dtype.kind == "f":
-            yield piece, values.astype(np.float64, copy=False)
-        else:
-            largest = 1.0 if values.dtype.kind == "b" else float(np.iinfo(values.dtype).max)
-            yield piece, values.astype(np.float64) / largest
+        is_real = views.dtype.kind == "f"
+        yield piece, views[piece].astype(np.float64, copy=False) if is_real else views[piece] / _white(views.dtype)
 
 
 def describe_batches(

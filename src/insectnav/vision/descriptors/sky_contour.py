@@ -158,5 +158,14 @@ def panorama_contour_amplitudes(views: ArrayLike, n_frequencies: int = N_FREQUEN
         Panoramas up to the zenith, bright where there is sky.
     n_frequencies : int
         Highest number of waves along the outline.
+
+    Raises
+    ------
+    InputError
+        As of `wrap_to_disk`.
+
+    Notes
+    -----
+    The disk has the 210 pixels that `wrap_to_disk` gives it; a pixel at least half as bright as can be is sky.
     """
     return contour_amplitudes(wrap_to_disk(views) >= 0.5, n_frequencies)

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from insectnav.checks import InputError
-from insectnav.datasets import track_table
-from insectnav.datasets.track_table import open_table, read_columns, read_numbers
+from insectnav.datasets import text_tables
+from insectnav.datasets.text_tables import open_table, read_columns, read_numbers
 from insectnav.datasets.tracks import read_track
 from track_files import assert_one_sentence, changed, refusal, rows, table
 
@@ -31,7 +31,7 @@ from track_files import assert_one_sentence, changed, refusal, rows, table
         (changed(5, 1, '"a\nb"'), r"row 5, column 'x_m': 'a\nb' is not a number"),
         (changed(5, 1, "inf"), "row 5, column 'x_m': 'inf' is not a number"),
         (changed(5, 1, "-Infinity"), "'-Infinity' is not a number"),
-        (changed(5, 1, "1e999"), "'1e999' is too large for a track"),
+        (changed(5, 1, "1e999"), "'1e999' is larger than any length or time"),
         (changed(5, 1, "1_000"), "'1_000' is not a number"),
         (changed(5, 1, "٣"), "'٣' is not a number"),
         (changed(5, 1, "0x10"), "'0x10' is not a number"),
@@ -89,7 +89,7 @@ def test_a_file_without_permission_is_refused(tmp_path, monkeypatch):
 def test_a_huge_file_is_refused_unread(tmp_path):
     path = tmp_path / "huge.csv"
     with path.open("wb") as file:
-        file.truncate(track_table.MAX_BYTES + 1)  # sparse: takes no room on disk
+        file.truncate(text_tables.MAX_BYTES + 1)  # sparse: takes no room on disk
     with pytest.raises(InputError, match="larger than 512 MB"):
         read_track(path)
 

@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from insectnav import __version__
 from insectnav.checks import InputError, quoted
 from insectnav.matching.place_arrays import read_places
-from insectnav.matching.place_pieces import Lines, Piece, PieceLines, join_pieces, joined_blocks, map_pieces
-from insectnav.matching.place_record import MapRecord, read_record
-from insectnav.matching.place_search import (
+from insectnav.matching.place_exact_search import (
     Landscape,
     known_frames,
     landscape_of,
     lines_of_pieces,
     matches_of_lines,
 )
+from insectnav.matching.place_pieces import Lines, Piece, PieceLines, join_pieces, joined_blocks, map_pieces
+from insectnav.matching.place_record import MapRecord, read_record
 from insectnav.matching.place_store import shown
 from insectnav.matching.seqslam import Matches, SeqSlamParams
 from insectnav.workers import cluster_client

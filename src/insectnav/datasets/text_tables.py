@@ -121,7 +121,7 @@ def read_bytes(path: Path, expected: str = "a CSV or TSV file", most: int = MAX_
 
 def _check_size(n_bytes: int, most: int) -> None:
     if n_bytes > most:
-        raise InputError(f"the file is larger than {most // 2**20} MB, expected a single track")
+        raise InputError(f"the file is larger than {most // 2**20} MB, expected a single recording")
 
 
 def _check_text(data: bytes) -> None:
@@ -186,6 +186,6 @@ def _to_number(cell: str, row: np.int64, name: str) -> float:
         value = float(text)
         if abs(value) <= MAX_NUMBER:
             return value
-        raise InputError(f"row {row}, column {quoted(name)}: {quoted(text)} is too large for a track")
+        raise InputError(f"row {row}, column {quoted(name)}: {quoted(text)} is larger than any length or time")
     slip = ": a decimal comma?" if NUMBER.fullmatch(text.replace(",", ".", 1)) else ""
     raise InputError(f"row {row}, column {quoted(name)}: {quoted(text)} is not a number{slip}")

@@ -9,7 +9,7 @@ import pytest
 
 from command_line import everything
 from insectnav.checks import InputError
-from insectnav.datasets import bounded_chunks
+from insectnav.datasets import bag_unpacking
 from insectnav.datasets.ros_bag import bag_frames, bag_images, bag_positions, bag_topics
 from robot_bags import MCAP, PACKED, PICTURE, ROS1, ROS2, bag, camera, rosbag1, rosbag2, walk
 
@@ -23,7 +23,7 @@ def test_compressed_chunks_are_unpacked(compression, tmp_path: Path):
 @pytest.mark.parametrize("compression", list(rosbag1.Writer.CompressionFormat))
 def test_chunks_that_unpack_beyond_bounds_are_refused(compression, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     path = bag(tmp_path, ROS1, {"/odometry": walk}, compression)
-    monkeypatch.setattr(bounded_chunks, "MAX_CHUNK", 1000)
+    monkeypatch.setattr(bag_unpacking, "MAX_CHUNK", 1000)
     with pytest.raises(InputError, match="unpacks to more than"):
         bag_positions(path)
 
@@ -37,9 +37,9 @@ def test_bound_stops_unpacking_early():
         return seen[0]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(bounded_chunks, "MAX_CHUNK", 1000)
+        patch.setattr(bag_unpacking, "MAX_CHUNK", 1000)
         with pytest.raises(InputError, match="unpacks to more"):
-            bounded_chunks._within(unpack, bomb)
+            bag_unpacking._within(unpack, bomb)
     assert len(seen[0]) == 1001
 
 
@@ -62,7 +62,7 @@ def test_files_that_unpack_beyond_bounds_are_refused_and_nothing_stays(tmp_path:
     temporary = tmp_path / "temporary"
     temporary.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(temporary))
-    monkeypatch.setattr(bounded_chunks, "MAX_UNPACKED", 10_000)
+    monkeypatch.setattr(bag_unpacking, "MAX_UNPACKED", 10_000)
     with pytest.raises(InputError, match="'walk' unpacks to more than there is room for"):
         bag_positions(path)
     assert not everything(temporary)
@@ -70,7 +70,7 @@ def test_files_that_unpack_beyond_bounds_are_refused_and_nothing_stays(tmp_path:
 
 def test_messages_that_unpack_beyond_bounds_are_refused(tmp_path: Path, monkeypatch):
     path = bag(tmp_path, ROS2, {"/camera": camera, "/odometry": walk}, rosbag2.CompressionMode.MESSAGE)
-    monkeypatch.setattr(bounded_chunks, "MAX_CHUNK", 60)
+    monkeypatch.setattr(bag_unpacking, "MAX_CHUNK", 60)
     with pytest.raises(InputError, match="message 0 of '/odometry' in 'walk' unpacks to more than"):
         bag_positions(path)
     frames = list(bag_frames(path))
