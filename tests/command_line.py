@@ -15,6 +15,7 @@ import pytest
 
 from insectnav import cli
 
+PATIENCE = 300.0  # [s] after which what is waited for counts as never to come; a busy machine takes a tenth of it
 NEEDS_POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and terminals as POSIX has them")
 
 
@@ -82,8 +83,9 @@ def is_running(group: int) -> bool:
     return False
 
 
-def until(condition: Callable[[], object], seconds: float) -> None:
+def until(condition: Callable[[], object], seconds: float = PATIENCE) -> None:
+    """Wait for what is to come; fails when it does not come at all."""
     end = time.monotonic() + seconds
     while not condition():
-        assert time.monotonic() < end
+        assert time.monotonic() < end, "this takes too long"
         time.sleep(0.02)
