@@ -6,9 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 GOLDEN = Path(os.environ.get("INSECTNAV_GOLDEN", REPOSITORY.parent / "shared" / "golden"))
+
+# Properties see the same examples each time, and fail for what is wrong, never for what is slow. Other examples:
+# pytest --hypothesis-profile=random --hypothesis-seed=1 tests/...
+UNHURRIED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True)
+settings.register_profile("random", UNHURRIED)
+settings.register_profile("repeatable", UNHURRIED, derandomize=True, database=None)
+settings.load_profile("repeatable")
 
 
 @pytest.fixture(scope="session")
