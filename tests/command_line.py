@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -28,8 +29,13 @@ class Outcome(NamedTuple):
 def command(folder: Path, *arguments: str) -> Outcome:
     """The real command in a process of its own, its output read by a program."""
     line = [sys.executable, "-m", "insectnav.cli", *arguments]
-    done = subprocess.run(line, cwd=folder, capture_output=True, encoding="utf-8", timeout=120, check=False)
+    done = subprocess.run(line, cwd=folder, capture_output=True, encoding="utf-8", timeout=PATIENCE, check=False)
     return Outcome(done.returncode, done.stdout, done.stderr)
+
+
+def heed_interrupts() -> None:
+    """For `preexec_fn`: Ctrl-C is ignored by what a shell runs in the background, and by all that this starts."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def in_process(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> Callable[..., Outcome]:
