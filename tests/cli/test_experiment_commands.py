@@ -15,10 +15,12 @@ import pytest
 
 from command_line import (
     NEEDS_POSIX,
+    PATIENCE,
     Outcome,
     assert_refused,
     command,
     everything,
+    heed_interrupts,
     in_process,
     is_running,
     strict,
@@ -243,7 +245,7 @@ def started(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen]]:
             [sys.executable, "-m", "insectnav.cli", *arguments],
             cwd=tmp_path,
             start_new_session=True,
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # else ignored in the background
+            preexec_fn=heed_interrupts,
             **options,
         )
         processes.append(process)
@@ -262,11 +264,11 @@ def started(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen]]:
 def test_interrupted_run_keeps_what_is_finished(started: Callable, tmp_path: Path):
     arguments = ("run", REAL, "--scale", "full", "--workers", "2")
     process = started(*arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8")
-    until(lambda: list(tmp_path.glob("out/*/.*.unfinished/finished/*")), 60.0)
+    until(lambda: list(tmp_path.glob("out/*/.*.unfinished/finished/*")))
     assert process.poll() is None
     os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=60.0)
-    until(lambda: not is_running(process.pid), 20.0)
+    out, err = process.communicate(timeout=PATIENCE)
+    until(lambda: not is_running(process.pid))
     assert (process.returncode, out) == (130, "")
     assert err == "insectnav: interrupted, finished cells are kept: add --resume to go on\n"
     assert list(tmp_path.glob("out/*/.*.unfinished/finished/*"))
@@ -289,7 +291,7 @@ def test_bar_names_the_experiment_and_counts_cells(started: Callable):
         while block := os.read(ours, 4096):
             shown += block
     os.close(ours)
-    assert strict(process.communicate(timeout=60.0)[0].decode())["runs"][0]["experiment"] == REAL
+    assert strict(process.communicate(timeout=PATIENCE)[0].decode())["runs"][0]["experiment"] == REAL
     assert process.returncode == 0
     assert f"{REAL} (1 of 1)".encode() in shown
     assert f"/{len(load(REAL).grid('quick'))}".encode() in shown
