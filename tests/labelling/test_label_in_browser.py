@@ -1,6 +1,7 @@
 """The page in a real browser: painted with the mouse, seen at once, corrected, saved."""
 
 import shutil
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 from browser import addresses_asked, opened_browser
-from command_line import until
+from command_line import PATIENCE, until
 from insectnav.labelling.desk import Desk
 from insectnav.labelling.masks import load_kernel
 from insectnav.labelling.server import LabelServer
@@ -225,6 +226,49 @@ def test_message_of_the_program_is_shown(page: tuple):
     click(browser, "save")
     until(lambda: words(browser, "status").startswith("Saved"))
     assert strokes().shape == masks_and_strokes(server, 0)[0].shape
+
+
+def test_what_is_said_while_strokes_grow_is_said_again_afterwards(page: tuple):
+    browser, server = page
+    grow, may_grow = server.desk.grow, threading.Event()
+    server.desk.grow = lambda *given: grow(*given) if may_grow.wait(PATIENCE) else b""
+    browser.execute_script(
+        """const real = setTimeout; window.slow = [];
+           window.setTimeout = (action, time) => time === 1500 ? (slow.push(action), 0) : real(action, time)"""
+    )
+    paint(browser, SKY_LINE)
+    click(browser, "save")
+    until(lambda: words(browser, "status").startswith("Saved"))
+    browser.execute_script("slow.forEach(action => action())")
+    assert words(browser, "status").startswith("Growing")
+    may_grow.set()
+    until(lambda: shown_share(browser) == 100.0)
+    until(lambda: not words(browser, "status").startswith("Growing"))
+    assert words(browser, "status").startswith("Saved")
+
+
+def test_nothing_is_painted_before_what_was_saved_is_there(page: tuple):
+    browser, server = page
+    paint(browser, SKY_LINE)
+    paint(browser, GROUND_LINE, right=True)
+    press(browser, "n")
+    until(lambda: browser.title.startswith("b.png"))
+    until(lambda: words(browser, "status").startswith("Paint"))
+    strokes_of, is_asked, may_answer = server.desk.packed_strokes, threading.Event(), threading.Event()
+
+    def late(number: int) -> bytes | None:
+        is_asked.set()
+        return strokes_of(number) if may_answer.wait(PATIENCE) else None
+
+    server.desk.packed_strokes = late
+    press(browser, "p")
+    assert is_asked.wait(PATIENCE)
+    assert words(browser, "status") == "Opening a.png"
+    paint(browser, ((0.2, 0.5), (0.8, 0.5)))
+    may_answer.set()
+    until(lambda: shown_share(browser) == SKY_SHARE)
+    until(lambda: words(browser, "status") == "These strokes were saved earlier")
+    assert not browser.find_element("id", "undo").is_enabled()
 
 
 def test_closed_page_ends_the_program(browser: Any, tmp_path: Path):
