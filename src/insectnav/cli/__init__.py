@@ -8,7 +8,7 @@ import threading
 from contextlib import suppress
 from typing import NoReturn
 
-INTERRUPTED, TERMINATED = 130, 143  # exit codes, as of shells
+INTERRUPTED, TERMINATED = 130, 143  # exit codes, as of shells; the command itself knows the first, too
 PAUSE = 0.05  # [s] before an interrupt that was lost comes again
 
 

@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from insectnav.checks import InputError, quoted
-from insectnav.cli import INTERRUPTED
 from insectnav.cli.align_command import align
 from insectnav.cli.experiment_commands import RunInterruptedError, list_experiments, report, run
 from insectnav.cli.home_command import home
@@ -16,6 +15,7 @@ from insectnav.cli.map_commands import map_app
 from insectnav.cli.render_command import render
 from insectnav.cli.segment_command import segment
 
+INTERRUPTED = 130  # exit code, as of shells
 REFUSALS = frozenset(  # of the system, for which the name of a file or the disk is to blame, not the program
     {errno.EACCES, errno.EPERM, errno.EROFS, errno.ENAMETOOLONG, errno.ENOSPC, errno.EDQUOT, errno.EIO}
 )
