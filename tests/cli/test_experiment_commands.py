@@ -67,18 +67,24 @@ def test_list_aligns_what_json_tells(insectnav: Callable):
 
 @NEEDS_POSIX
 def test_list_names_every_experiment_at_once(tmp_path: Path):
-    """In less than a second of the processor's time, which other work on the machine does not lengthen much."""
+    """In half of the time of the processor that the libraries take to load which it leaves out."""
     from resource import RUSAGE_CHILDREN, getrusage
 
-    taken = []
-    for _ in range(2):  # the first may have to compile Python
+    def seconds(*line: str) -> tuple[float, subprocess.CompletedProcess]:
         before = getrusage(RUSAGE_CHILDREN)
-        listed = command(tmp_path, "list")
+        done = subprocess.run(
+            [sys.executable, *line], cwd=tmp_path, capture_output=True, encoding="utf-8", timeout=PATIENCE, check=False
+        )
         after = getrusage(RUSAGE_CHILDREN)
-        taken.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    assert (listed.code, listed.err) == (0, "")
-    assert [line.split()[0] for line in listed.out.splitlines()] == list(names())
-    assert min(taken) < 1.0
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, done
+
+    def is_quick() -> bool:
+        taken, listed = seconds("-m", "insectnav.cli", "list")
+        assert (listed.returncode, listed.stderr) == (0, "")
+        assert [line.split()[0] for line in listed.stdout.splitlines()] == list(names())
+        return taken < seconds("-c", "import numba, matplotlib.figure, xarray, zarr, scipy.stats")[0] / 2
+
+    assert any(is_quick() for _ in range(5))  # other work on the machine lengthens the one or the other
     assert everything(tmp_path) == []
 
 
