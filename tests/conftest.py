@@ -19,6 +19,12 @@ settings.register_profile("repeatable", UNHURRIED, derandomize=True, database=No
 settings.load_profile("repeatable")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Look for fonts once, before tests that run at the same time all do so; matplotlib speaks up if it takes 5 s."""
+    if not hasattr(config, "workerinput"):
+        import matplotlib.font_manager  # noqa: F401
+
+
 @pytest.fixture(scope="session")
 def golden() -> Callable[[str], dict[str, np.ndarray]]:
     """Arrays of an outside result by the name of its file; skips the test where it is missing (mark it `data`)."""
