@@ -5,13 +5,16 @@ import json
 import threading
 import zlib
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
 from command_line import PATIENCE, until
+from insectnav.labelling import desk
 from insectnav.labelling.desk import Desk
 from insectnav.labelling.server import LabelServer
 from insectnav.vision.growcut import grow_cut
@@ -25,8 +28,8 @@ PACKED = zlib.compress(LABELS.tobytes())
 def server(tmp_path: Path) -> Iterator[LabelServer]:
     leave(tmp_path, "a.png", "b.tif")
     (tmp_path / "secret.txt").write_text("secret")
-    desk = Desk([tmp_path / "a.png", tmp_path / "b.tif"], tmp_path / "masks")
-    with served(desk) as (running, _):
+    two = Desk([tmp_path / "a.png", tmp_path / "b.tif"], tmp_path / "masks")
+    with served(two) as (running, _):
         yield running
 
 
@@ -162,6 +165,32 @@ def test_requests_at_once_do_not_mix(server: LabelServer):
         thread.join()
     assert len(found) == 15
     assert all(content == expected[number] for number, content in found)
+
+
+def test_what_is_being_saved_at_the_end_is_saved_whole_and_nothing_after_it(
+    server: LabelServer, monkeypatch: pytest.MonkeyPatch
+):
+    is_writing, may_write, write = threading.Event(), threading.Event(), desk.write_labels
+
+    def write_late(*given: Any) -> None:
+        is_writing.set()
+        assert may_write.wait(PATIENCE)
+        write(*given)
+
+    monkeypatch.setattr(desk, "write_labels", write_late)
+    with ThreadPoolExecutor(2) as on:
+        saved = on.submit(ask, server, "save/0", PACKED)
+        assert is_writing.wait(PATIENCE)
+        closed = on.submit(server.desk.close)
+        with pytest.raises(TimeoutError):
+            closed.result(0.2)
+        may_write.set()
+        closed.result(PATIENCE)
+        assert [entry.mask for entry in server.desk.saved.values()] == [server.desk.mask_path(0)]
+        assert saved.result(PATIENCE)[0] == 200
+    status, content, _ = ask(server, "save/1", PACKED)
+    assert (status, server.desk.mask_path(1).exists()) == (400, False)
+    assert "nothing is saved any more" in json.loads(content)["error"]
 
 
 def test_finish_ends_the_server(tmp_path: Path):
