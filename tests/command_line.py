@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
+import psutil
 import pytest
 
 from insectnav import cli
@@ -82,11 +83,22 @@ def assert_refused(outcome: Outcome, words: str) -> str:
     return outcome.err.removeprefix("insectnav: ").rstrip("\n")
 
 
-def is_running(group: int) -> bool:
-    with suppress(ProcessLookupError):
-        os.killpg(group, 0)
-        return True
+def is_alive(process: psutil.Process) -> bool:
+    """Whether it has not ended; where nobody takes notice of that, it is still known to the system."""
+    with suppress(psutil.NoSuchProcess):
+        return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
     return False
+
+
+def is_running(group: int) -> bool:
+    """Whether a process of the group has not ended."""
+
+    def is_of_it(process: psutil.Process) -> bool:
+        with suppress(OSError):
+            return os.getpgid(process.pid) == group
+        return False
+
+    return any(is_of_it(process) and is_alive(process) for process in psutil.process_iter())
 
 
 def until(condition: Callable[[], object], seconds: float = PATIENCE) -> None:

@@ -3,14 +3,14 @@
 import json
 import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from math import inf
 from pathlib import Path
 
 import psutil
 import pytest
 
-from command_line import PATIENCE
+from command_line import PATIENCE, is_alive
 from dask_cluster import kill, wait_for
 from insectnav.experiments.results import PROVENANCE
 from slow_paper import fig_1, runs
@@ -27,7 +27,7 @@ def started(out: Path, *options: str, hold: float = inf) -> Iterator[tuple]:
     finally:
         kill(process)
         for child in below:
-            if child.is_running():
+            with suppress(psutil.NoSuchProcess):
                 child.kill()
         process.stderr.close()
 
@@ -42,7 +42,7 @@ def test_killed_run_goes_on_and_ends_with_the_same_bytes(tmp_path: Path, monkeyp
             wait_for(lambda: runs.n_finished(out) >= last + n_more, process)  # noqa: B023
             orphans = set(children())
             kill(process)
-            wait_for(lambda: not any(child.is_running() for child in orphans))  # noqa: B023
+            wait_for(lambda: not any(is_alive(child) for child in orphans))  # noqa: B023
         last = runs.n_finished(out)
         assert last < runs.N_CELLS
         assert not list(out.glob("slow/[!.]*"))  # nothing that looks like results
@@ -71,5 +71,5 @@ def test_interrupted_run_ends_at_once_and_keeps_what_is_finished(workers: str, t
         said = process.stderr.read()
         assert said.rstrip().endswith("KeyboardInterrupt")
         assert said.count("Traceback") == 1  # of this process alone
-        wait_for(lambda: not any(child.is_running() for child in orphans))
+        wait_for(lambda: not any(is_alive(child) for child in orphans))
     assert 2 <= runs.n_finished(tmp_path) < runs.N_CELLS
