@@ -334,7 +334,7 @@ def test_a_killed_build_goes_on_where_it_was(walk: Path):
         "    n_described += 1",
         "    if n_described == 20:",
         "        Path('held').touch()",
-        "        time.sleep(3600.0)",
+        "        time.sleep(600.0)",
         "    return usual(*given)",
         "describing.describe = describe",
         "sys.argv = ['insectnav', 'map', 'build', 'summer', 'route', '--workers', '1']",

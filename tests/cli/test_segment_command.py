@@ -226,7 +226,7 @@ def test_killed_run_leaves_nothing_that_looks_finished(walk: Path, how: signal.S
         "def smoothed(attempts, n_frames):",
         "    for k, attempt in enumerate(usual(attempts, n_frames)):",
         "        if k == 8:",
-        "            time.sleep(3600.0)",
+        "            time.sleep(600.0)",
         "        yield attempt",
         "segment_images._smoothed = smoothed",
         "sys.argv = ['insectnav', 'segment', 'long', '--method', 'kmeans']",
