@@ -23,6 +23,7 @@ def patient(monkeypatch: pytest.MonkeyPatch):
 @pytest.mark.usefixtures("patient")
 def test_cluster_that_loses_a_worker_gives_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     finished = 0
+    monkeypatch.setenv(fig_1.PACE, "0.3")
     with dask_cluster(tmp_path / "cluster", n_workers=2) as cluster:
 
         def count(n_more: int) -> None:
