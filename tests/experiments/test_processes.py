@@ -1,5 +1,6 @@
 """Processes that are killed, ended in the middle of what they send, or asked for what they cannot do."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -171,6 +172,7 @@ def test_process_that_cannot_be_started_is_told_of(n_processes: Callable, monkey
     def refuse(*_: object) -> None:
         raise BlockingIOError(11, "Resource temporarily unavailable")
 
+    gc.collect()
     n_open = psutil.Process().num_fds()
     with executor(2) as on:
         with monkeypatch.context() as patch:
@@ -178,7 +180,8 @@ def test_process_that_cannot_be_started_is_told_of(n_processes: Callable, monkey
             for _ in range(3):
                 with pytest.raises(NotStartedError, match=r"temporarily unavailable$"):
                     on.submit(identity, 1).result(PATIENCE)
-        assert psutil.Process().num_fds() == n_open
+        gc.collect()
+        assert psutil.Process().num_fds() <= n_open  # pipes are closed
         assert on.submit(identity, 2).result(PATIENCE)[0] == 2
 
 
