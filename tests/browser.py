@@ -31,7 +31,8 @@ def opened_browser(folder: Path) -> Iterator[Any]:
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     with Chrome(options=options, service=Service(executable_path=driver)) as chrome:
-        chrome.set_page_load_timeout(60)
+        chrome.set_page_load_timeout(100)  # [s]; selenium itself gives up after 120
+        chrome.set_script_timeout(100)
         yield chrome
 
 

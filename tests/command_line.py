@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -11,10 +12,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
+import psutil
 import pytest
 
 from insectnav import cli
 
+PATIENCE = 300.0  # [s] after which what is waited for counts as never to come; a busy machine takes a tenth of it
 NEEDS_POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and terminals as POSIX has them")
 
 
@@ -27,8 +30,13 @@ class Outcome(NamedTuple):
 def command(folder: Path, *arguments: str) -> Outcome:
     """The real command in a process of its own, its output read by a program."""
     line = [sys.executable, "-m", "insectnav.cli", *arguments]
-    done = subprocess.run(line, cwd=folder, capture_output=True, encoding="utf-8", timeout=120, check=False)
+    done = subprocess.run(line, cwd=folder, capture_output=True, encoding="utf-8", timeout=PATIENCE, check=False)
     return Outcome(done.returncode, done.stdout, done.stderr)
+
+
+def heed_interrupts() -> None:
+    """For `preexec_fn`: Ctrl-C is ignored by what a shell runs in the background, and by all that this starts."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def in_process(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> Callable[..., Outcome]:
@@ -75,15 +83,27 @@ def assert_refused(outcome: Outcome, words: str) -> str:
     return outcome.err.removeprefix("insectnav: ").rstrip("\n")
 
 
-def is_running(group: int) -> bool:
-    with suppress(ProcessLookupError):
-        os.killpg(group, 0)
-        return True
+def is_alive(process: psutil.Process) -> bool:
+    """Whether it has not ended; where nobody takes notice of that, it is still known to the system."""
+    with suppress(psutil.NoSuchProcess):
+        return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
     return False
 
 
-def until(condition: Callable[[], object], seconds: float) -> None:
+def is_running(group: int) -> bool:
+    """Whether a process of the group has not ended."""
+
+    def is_of_it(process: psutil.Process) -> bool:
+        with suppress(OSError):
+            return os.getpgid(process.pid) == group
+        return False
+
+    return any(is_of_it(process) and is_alive(process) for process in psutil.process_iter())
+
+
+def until(condition: Callable[[], object], seconds: float = PATIENCE) -> None:
+    """Wait for what is to come; fails when it does not come at all."""
     end = time.monotonic() + seconds
     while not condition():
-        assert time.monotonic() < end
+        assert time.monotonic() < end, "this takes too long"
         time.sleep(0.02)

@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from command_line import PATIENCE
+
 TESTS = Path(__file__).resolve().parent
-PATIENCE = 60.0  # [s] on a busy machine
 LOCAL = ["--host", "127.0.0.1", "--dashboard-address", "127.0.0.1:0", "--no-dashboard"]
 
 
@@ -56,7 +57,12 @@ class DaskCluster:
         """One more worker of one thread, without a nanny that would replace it when it is killed."""
         name = f"worker-{len(self.processes)}"
         options = ["--nthreads", "1", "--no-nanny", "--name", name, "--local-directory", str(self._folder / name)]
-        self._start("worker", self.address, *options, "--death-timeout", "60")
+        self._start("worker", self.address, *options, "--death-timeout", str(PATIENCE))
+
+    def wait_for_workers(self) -> None:
+        """Until each has been heard of by the scheduler."""
+        for number, process in list(enumerate(self.processes))[1:]:
+            wait_for(lambda: "Registered to" in self.log(number), process)  # noqa: B023
 
     def _start(self, kind: str, *options: str) -> None:
         command = [sys.executable, "-m", f"distributed.cli.dask_{kind}", *options, *LOCAL]
@@ -72,12 +78,13 @@ class DaskCluster:
 
 @contextmanager
 def dask_cluster(folder: Path, n_workers: int) -> Iterator[DaskCluster]:
-    """A cluster that is gone when the block ends."""
+    """A cluster that is complete when the block begins, and gone when it ends."""
     folder.mkdir()
     cluster = DaskCluster(folder)
     try:
         for _ in range(n_workers):
             cluster.add_worker()
+        cluster.wait_for_workers()
         yield cluster
     finally:
         for process in reversed(cluster.processes):

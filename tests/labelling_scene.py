@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from command_line import PATIENCE
 from insectnav.labelling.desk import Desk
 from insectnav.labelling.server import LabelServer
 
@@ -45,7 +46,7 @@ def read(path: Path) -> np.ndarray:
 
 
 @contextmanager
-def served(desk: Desk, patience_s: float = 4.0) -> Iterator[tuple[LabelServer, threading.Thread]]:
+def served(desk: Desk, patience_s: float = PATIENCE) -> Iterator[tuple[LabelServer, threading.Thread]]:
     """The page in a thread of its own, which ends with the block at the latest."""
     server = LabelServer(desk, patience_s)
     thread = threading.Thread(target=server.serve)
@@ -54,5 +55,13 @@ def served(desk: Desk, patience_s: float = 4.0) -> Iterator[tuple[LabelServer, t
         yield server, thread
     finally:
         server.end()
-        thread.join(10.0)
+        thread.join(PATIENCE)
         assert not thread.is_alive()
+
+
+def calls_of(server: LabelServer, name: str) -> list[None]:
+    """A list that grows by one as soon as a method of the server has done its work."""
+    calls: list[None] = []
+    method = getattr(server, name)
+    setattr(server, name, lambda: calls.append(method()))
+    return calls

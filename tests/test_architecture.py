@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from command_line import PATIENCE
+
 REPOSITORY = Path(__file__).resolve().parents[1]
 SOURCE = REPOSITORY / "src"
 PACKAGE = "insectnav"
@@ -194,7 +196,7 @@ for name in {light_names(source)!r}:
             found.setdefault(heavy, name)
 print(json.dumps(found))
 """
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=PATIENCE, check=False)
     if done.returncode:
         return [f"importing {PACKAGE} fails: {done.stderr}"]
     found = json.loads(done.stdout.splitlines()[-1])

@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
 from pathlib import Path
@@ -17,10 +16,12 @@ import xarray
 
 from command_line import (
     NEEDS_POSIX,
+    PATIENCE,
     Outcome,
     assert_refused,
     command,
     everything,
+    heed_interrupts,
     in_process,
     is_running,
     strict,
@@ -282,6 +283,54 @@ def test_refusal_by_the_real_command(tmp_path: Path):
 # Interrupted, watched.
 
 
+LOSE = """
+import ctypes, os, signal, sys, time
+from insectnav import cli
+from insectnav.cli import commands
+
+@ctypes.CFUNCTYPE(None)  # as compilers call Python: errors of it are told to nobody
+def called_back():
+    os.kill(os.getpid(), signal.{sent})
+    for _ in range(1000):
+        pass
+
+class Half:
+    def __init__(self):
+        called_back()
+        time.sleep(600.0)
+        self.whole = True
+
+    def __del__(self):
+        print(self.whole)  # and complain that it is not
+
+commands.app = lambda **_: Half()
+sys.argv = ["insectnav", "list"]
+cli.program()
+"""
+SAID = {"SIGINT": (130, "", "insectnav: interrupted, nothing written\n"), "SIGTERM": (143, "", "")}
+
+
+@NEEDS_POSIX
+@pytest.mark.parametrize("sent", SAID)
+def test_interrupt_is_not_lost_while_a_library_calls_back(sent: str):
+    line = [sys.executable, "-c", LOSE.format(sent=sent)]
+    done = subprocess.run(
+        line, capture_output=True, encoding="utf-8", timeout=PATIENCE, check=False, preexec_fn=heed_interrupts
+    )
+    assert (done.returncode, done.stdout, done.stderr) == SAID[sent]
+
+
+@NEEDS_POSIX
+def test_interrupt_before_anything_has_begun_is_told_in_a_sentence():
+    code = "import os, signal, sys\nfrom insectnav import cli\n"
+    code += "cli.main = lambda *_: os.kill(os.getpid(), signal.SIGINT)\nsys.argv = ['insectnav', 'list']\ncli.program()"
+    line = [sys.executable, "-c", code]
+    done = subprocess.run(
+        line, capture_output=True, encoding="utf-8", timeout=PATIENCE, check=False, preexec_fn=heed_interrupts
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "insectnav: interrupted\n")
+
+
 @NEEDS_POSIX
 @pytest.mark.parametrize("options", [(), ("--out", "result")])
 @pytest.mark.parametrize(("kill", "sent"), [(os.kill, "SIGINT"), (os.killpg, "SIGINT"), (os.kill, "SIGTERM")])
@@ -291,20 +340,18 @@ def test_interrupt_leaves_nothing_behind(kill: Callable, sent: str, options: tup
     process = subprocess.Popen(
         [*line, *options], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8",
         start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # else ignored where tests run in background
+        preexec_fn=heed_interrupts,
     )  # fmt: skip
     try:
-        until(lambda: list(tmp_path.rglob(".*.part")), 30.0)
-        time.sleep(0.3)
+        until(lambda: list(tmp_path.rglob(".*.part")))
         assert process.poll() is None
         kill(process.pid, getattr(signal, sent))
-        out, err = process.communicate(timeout=100.0)
-        until(lambda: not is_running(process.pid), 10.0)
+        out, err = process.communicate(timeout=PATIENCE)
+        until(lambda: not is_running(process.pid))
     finally:
         if is_running(process.pid):
             os.killpg(process.pid, signal.SIGKILL)
-    said = {"SIGINT": (130, "", "insectnav: interrupted, nothing written\n"), "SIGTERM": (143, "", "")}
-    assert (process.returncode, out, err) == said[sent]
+    assert (process.returncode, out, err) == SAID[sent]
     assert everything(tmp_path) == ["walk.csv"]
 
 
@@ -323,7 +370,7 @@ def test_bar_is_shown_on_a_terminal_alone(tmp_path: Path):
         while block := os.read(ours, 4096):
             shown += block
     os.close(ours)
-    assert strict(process.communicate(timeout=60.0)[0].decode())["settings"]["trials"] == 3
+    assert strict(process.communicate(timeout=PATIENCE)[0].decode())["settings"]["trials"] == 3
     assert process.returncode == 0
     assert b"ways home" in shown
 

@@ -4,6 +4,7 @@ import threading
 
 import pytest
 
+from command_line import PATIENCE
 from insectnav.checks import InputError
 from insectnav.workers import run_blocks
 
@@ -19,7 +20,7 @@ def test_every_item_is_worked_on_once_in_blocks_of_the_size(n: int, size: int, w
 
 
 def test_blocks_are_worked_on_at_the_same_time():
-    meeting = threading.Barrier(2, timeout=10.0)  # broken unless two wait at it at once
+    meeting = threading.Barrier(2, timeout=PATIENCE)  # broken unless two wait at it at once
     run_blocks(lambda first, last: meeting.wait(), 4, 1, 2)
 
 

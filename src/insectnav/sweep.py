@@ -160,13 +160,15 @@ def _raise_for_cell(cell: str, error: BaseException) -> NoReturn:
     from asyncio import CancelledError as AsyncCancelledError
     from concurrent.futures import BrokenExecutor, CancelledError
 
+    from insectnav.experiments.processes import NotStartedError
+
     if isinstance(error, OtherCodeError):
         raise error
     if isinstance(error, BrokenExecutor):
-        raise InputError(
-            "a process that simulated cells was killed, expected it to live (out of memory?): "
-            "what is finished is kept, go on with --resume and fewer --workers"
-        ) from error
+        what = "a process that simulated cells was killed, expected it to live (out of memory?)"
+        if isinstance(error, NotStartedError):
+            what = f"{error}, expected room for one more"
+        raise InputError(f"{what}: what is finished is kept, go on with --resume and fewer --workers") from error
     if isinstance(error, CancelledError | AsyncCancelledError):
         raise InputError(
             f"the cluster gave up {cell}, expected its scheduler to live: what is finished is kept, go on with --resume"

@@ -15,10 +15,12 @@ import pytest
 
 from command_line import (
     NEEDS_POSIX,
+    PATIENCE,
     Outcome,
     assert_refused,
     command,
     everything,
+    heed_interrupts,
     in_process,
     is_running,
     strict,
@@ -65,18 +67,24 @@ def test_list_aligns_what_json_tells(insectnav: Callable):
 
 @NEEDS_POSIX
 def test_list_names_every_experiment_at_once(tmp_path: Path):
-    """In less than a second of the processor's time, which other work on the machine does not lengthen much."""
+    """In half of the time of the processor that the libraries take to load which it leaves out."""
     from resource import RUSAGE_CHILDREN, getrusage
 
-    taken = []
-    for _ in range(2):  # the first may have to compile Python
+    def seconds(*line: str) -> tuple[float, subprocess.CompletedProcess]:
         before = getrusage(RUSAGE_CHILDREN)
-        listed = command(tmp_path, "list")
+        done = subprocess.run(
+            [sys.executable, *line], cwd=tmp_path, capture_output=True, encoding="utf-8", timeout=PATIENCE, check=False
+        )
         after = getrusage(RUSAGE_CHILDREN)
-        taken.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    assert (listed.code, listed.err) == (0, "")
-    assert [line.split()[0] for line in listed.out.splitlines()] == list(names())
-    assert min(taken) < 1.0
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, done
+
+    def is_quick() -> bool:
+        taken, listed = seconds("-m", "insectnav.cli", "list")
+        assert (listed.returncode, listed.stderr) == (0, "")
+        assert [line.split()[0] for line in listed.stdout.splitlines()] == list(names())
+        return taken < seconds("-c", "import numba, matplotlib.figure, xarray, zarr, scipy.stats")[0] / 2
+
+    assert any(is_quick() for _ in range(5))  # other work on the machine lengthens the one or the other
     assert everything(tmp_path) == []
 
 
@@ -245,7 +253,7 @@ def started(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen]]:
             [sys.executable, "-m", "insectnav.cli", *arguments],
             cwd=tmp_path,
             start_new_session=True,
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # else ignored in the background
+            preexec_fn=heed_interrupts,
             **options,
         )
         processes.append(process)
@@ -264,11 +272,11 @@ def started(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen]]:
 def test_interrupted_run_keeps_what_is_finished(started: Callable, tmp_path: Path):
     arguments = ("run", REAL, "--scale", "full", "--workers", "2")
     process = started(*arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8")
-    until(lambda: list(tmp_path.glob("out/*/.*.unfinished/finished/*")), 60.0)
+    until(lambda: list(tmp_path.glob("out/*/.*.unfinished/finished/*")))
     assert process.poll() is None
     os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=60.0)
-    until(lambda: not is_running(process.pid), 20.0)
+    out, err = process.communicate(timeout=PATIENCE)
+    until(lambda: not is_running(process.pid))
     assert (process.returncode, out) == (130, "")
     assert err == "insectnav: interrupted, finished cells are kept: add --resume to go on\n"
     assert list(tmp_path.glob("out/*/.*.unfinished/finished/*"))
@@ -291,7 +299,7 @@ def test_bar_names_the_experiment_and_counts_cells(started: Callable):
         while block := os.read(ours, 4096):
             shown += block
     os.close(ours)
-    assert strict(process.communicate(timeout=60.0)[0].decode())["runs"][0]["experiment"] == REAL
+    assert strict(process.communicate(timeout=PATIENCE)[0].decode())["runs"][0]["experiment"] == REAL
     assert process.returncode == 0
     assert f"{REAL} (1 of 1)".encode() in shown
     assert f"/{len(load(REAL).grid('quick'))}".encode() in shown

@@ -13,7 +13,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from command_line import NEEDS_POSIX, Outcome, assert_refused, everything, in_process, strict
+from command_line import (
+    NEEDS_POSIX,
+    PATIENCE,
+    Outcome,
+    assert_refused,
+    everything,
+    heed_interrupts,
+    in_process,
+    strict,
+)
 from insectnav.datasets.picture_files import write_picture
 from labelling_scene import COLUMNS, ROWS, is_sky, leave, read, strokes
 
@@ -70,14 +79,16 @@ def test_bad_input_is_told_in_a_sentence(insectnav: Callable, tmp_path: Path, ar
 def test_page_is_served_until_interrupted(tmp_path: Path):
     leave(tmp_path, "street.png")
     line = [sys.executable, "-m", "insectnav.cli", "label", "street.png", "--no-browser", "--json", "--out", "masks"]
-    with subprocess.Popen(line, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+    with subprocess.Popen(
+        line, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heed_interrupts
+    ) as program:
         url = re.search(r"http://127\.0\.0\.1:\d+/[\w-]{32}/", program.stderr.readline())[0]
         labels = np.select([strokes() == 255, strokes() == 0], [2, 1], 0).astype(np.uint8)
         request = urllib.request.Request(f"{url}save/0", zlib.compress(labels.tobytes()))
-        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=60) as answer:
+        with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=PATIENCE) as answer:
             assert answer.status == 200
         os.kill(program.pid, signal.SIGINT)
-        out, err = program.communicate(timeout=20)
+        out, err = program.communicate(timeout=PATIENCE)
     assert (program.returncode, err) == (0, "")
     told = strict(out)
     assert (told["folder"], told["masks"][0]["strokes"]) == ("masks", os.path.join("masks", "street_strokes.png"))

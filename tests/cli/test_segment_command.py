@@ -10,7 +10,19 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from command_line import NEEDS_POSIX, Outcome, assert_refused, command, everything, in_process, strict, table, until
+from command_line import (
+    NEEDS_POSIX,
+    PATIENCE,
+    Outcome,
+    assert_refused,
+    command,
+    everything,
+    heed_interrupts,
+    in_process,
+    strict,
+    table,
+    until,
+)
 from insectnav.metrics.segmentation import accuracy, intersection_over_union, skyline_error
 from sky_scenes import hills
 
@@ -204,13 +216,29 @@ def test_hand_made_masks_are_not_replaced(run, walk: Path):
 @pytest.mark.slow
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_killed_run_leaves_nothing_that_looks_finished(walk: Path, how: signal.Signals):
-    for k in range(300):
+    for k in range(12):
         write(walk / "long" / f"{k}.png", SCENES[1].picture)
-    line = [sys.executable, "-m", "insectnav.cli", "segment", "long", "--method", "kmeans"]
-    process = subprocess.Popen(line, cwd=walk, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    until(lambda: list(walk.glob("out/.segment-long.*.part/masks/*.png")), 60)
+    held = "\n".join([
+        "import sys, time",
+        "from insectnav import cli",
+        "from insectnav.experiments import segment_images",
+        "usual = segment_images._smoothed",
+        "def smoothed(attempts, n_frames):",
+        "    for k, attempt in enumerate(usual(attempts, n_frames)):",
+        "        if k == 8:",
+        "            time.sleep(600.0)",
+        "        yield attempt",
+        "segment_images._smoothed = smoothed",
+        "sys.argv = ['insectnav', 'segment', 'long', '--method', 'kmeans']",
+        "cli.program()",
+    ])  # fmt: skip
+    process = subprocess.Popen(
+        [sys.executable, "-c", held], cwd=walk, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        preexec_fn=heed_interrupts,
+    )  # fmt: skip
+    until(lambda: list(walk.glob("out/.segment-long.*.part/masks/*.png")))
     process.send_signal(how)
-    process.communicate(timeout=60)
+    process.communicate(timeout=PATIENCE)
     assert not (walk / "out" / "segment-long").exists()
     if how != signal.SIGKILL:
         assert not (walk / "out").exists()

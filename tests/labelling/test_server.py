@@ -5,17 +5,20 @@ import json
 import threading
 import zlib
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
-from command_line import until
+from command_line import PATIENCE, until
+from insectnav.labelling import desk
 from insectnav.labelling.desk import Desk
 from insectnav.labelling.server import LabelServer
 from insectnav.vision.growcut import grow_cut
-from labelling_scene import COLUMNS, ROWS, is_sky, leave, picture, read, served, strokes
+from labelling_scene import COLUMNS, ROWS, calls_of, is_sky, leave, picture, read, served, strokes
 
 LABELS = np.select([strokes() == 255, strokes() == 0], [2, 1], 0).astype(np.uint8)
 PACKED = zlib.compress(LABELS.tobytes())
@@ -25,15 +28,15 @@ PACKED = zlib.compress(LABELS.tobytes())
 def server(tmp_path: Path) -> Iterator[LabelServer]:
     leave(tmp_path, "a.png", "b.tif")
     (tmp_path / "secret.txt").write_text("secret")
-    desk = Desk([tmp_path / "a.png", tmp_path / "b.tif"], tmp_path / "masks")
-    with served(desk) as (running, _):
+    two = Desk([tmp_path / "a.png", tmp_path / "b.tif"], tmp_path / "masks")
+    with served(two) as (running, _):
         yield running
 
 
 def ask(
     server: LabelServer, place: str, body: bytes | None = None, secret: str | None = None, **headers: str
 ) -> tuple[int, bytes, http.client.HTTPMessage]:
-    connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=20)
+    connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=PATIENCE)
     path = f"/{server.secret if secret is None else secret}/{place}"
     connection.request("GET" if body is None else "POST", path, body, headers)
     answer = connection.getresponse()
@@ -164,32 +167,59 @@ def test_requests_at_once_do_not_mix(server: LabelServer):
     assert all(content == expected[number] for number, content in found)
 
 
+def test_what_is_being_saved_at_the_end_is_saved_whole_and_nothing_after_it(
+    server: LabelServer, monkeypatch: pytest.MonkeyPatch
+):
+    is_writing, may_write, write = threading.Event(), threading.Event(), desk.write_labels
+
+    def write_late(*given: Any) -> None:
+        is_writing.set()
+        assert may_write.wait(PATIENCE)
+        write(*given)
+
+    monkeypatch.setattr(desk, "write_labels", write_late)
+    with ThreadPoolExecutor(2) as on:
+        saved = on.submit(ask, server, "save/0", PACKED)
+        assert is_writing.wait(PATIENCE)
+        closed = on.submit(server.desk.close)
+        with pytest.raises(TimeoutError):
+            closed.result(0.2)
+        may_write.set()
+        closed.result(PATIENCE)
+        assert [entry.mask for entry in server.desk.saved.values()] == [server.desk.mask_path(0)]
+        assert saved.result(PATIENCE)[0] == 200
+    status, content, _ = ask(server, "save/1", PACKED)
+    assert (status, server.desk.mask_path(1).exists()) == (400, False)
+    assert "nothing is saved any more" in json.loads(content)["error"]
+
+
 def test_finish_ends_the_server(tmp_path: Path):
     leave(tmp_path, "a.png")
     with served(Desk([tmp_path / "a.png"], tmp_path)) as (server, thread):
         assert ask(server, "finish", b"")[0] == 200
-        thread.join(5.0)
+        thread.join(PATIENCE)
         assert not thread.is_alive()
-        with pytest.raises(OSError):
-            ask(server, "")
+        assert server.socket.fileno() == -1  # closed: nobody else can have taken the port before
 
 
 def test_closing_the_last_page_ends_the_server_and_loading_it_again_does_not(tmp_path: Path):
     leave(tmp_path, "a.png")
-    with served(Desk([tmp_path / "a.png"], tmp_path), patience_s=1.5) as (server, thread):
-        pages = [stream(server) for _ in range(2)]
-        pages[0].close()
-        pages[1].close()
+    with served(Desk([tmp_path / "a.png"], tmp_path)) as (server, thread):
+        closed = calls_of(server, "page_closed")
+        for page in [stream(server) for _ in range(2)]:
+            page.close()
+        until(lambda: len(closed) == 2)
         again = stream(server)
-        thread.join(3.0)
+        server.patience_s = 0.0
+        thread.join(1.0)
         assert thread.is_alive()
         again.close()
-        until(lambda: not thread.is_alive(), 10.0)
+        until(lambda: not thread.is_alive())
 
 
 def stream(server: LabelServer) -> http.client.HTTPResponse:
     """What an open page listens to."""
-    connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=20)
+    connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=PATIENCE)
     connection.request("GET", f"/{server.secret}/alive")
     answer = connection.getresponse()
     assert answer.readline() == b": alive\n"

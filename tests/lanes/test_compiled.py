@@ -123,6 +123,34 @@ def test_kernel_is_written_to_that_folder_on_its_first_call(tmp_path: Path, monk
     assert len(list((tmp_path / "kernels").rglob("*.nbc"))) == 1
 
 
+def test_processes_that_compile_at_once_do_not_take_each_others_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The second looks at the list of what there is before the first has written it, and is done before the first is.
+
+    Numba alone gives both pieces of code one name, and floats are doubled by the code for whole numbers ever after.
+    """
+    from numba.core.caching import IndexDataCacheFile
+
+    monkeypatch.setattr(compiled, "CACHE_FOLDER", str(tmp_path / "kernels"))
+
+    def double(x):
+        return 2 * x
+
+    save = IndexDataCacheFile._save_data
+
+    def second_in_between(self: IndexDataCacheFile, *given: object) -> None:
+        monkeypatch.setattr(IndexDataCacheFile, "_save_data", save)
+        with monkeypatch.context() as patch:
+            patch.setattr(IndexDataCacheFile, "_load_index", lambda self: {})
+            assert compiled.kernel(double)(2.5) == 5.0
+        save(self, *given)
+
+    monkeypatch.setattr(IndexDataCacheFile, "_save_data", second_in_between)
+    assert compiled.kernel(double)(21) == 42
+    read = compiled.kernel(double)
+    assert (read(2.5), read(21)) == (5.0, 42)
+    assert sum(read.stats.cache_hits.values()) == 1
+
+
 def test_setting_of_numba_is_put_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(numba.config, "CACHE_DIR", "somebody's")
     monkeypatch.setattr(compiled, "CACHE_FOLDER", str(tmp_path))

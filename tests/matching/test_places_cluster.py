@@ -29,7 +29,7 @@ def client():
 
     options = {"n_workers": 2, "threads_per_worker": 1, "processes": False, "host": "127.0.0.1"}
     with (
-        LocalCluster(**options, dashboard_address=None, protocol="tcp://") as cluster,
+        LocalCluster(**options, dashboard_address="127.0.0.1:0", protocol="tcp://") as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
         yield client

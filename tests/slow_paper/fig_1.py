@@ -17,6 +17,8 @@ from insectnav.rng import trial_streams
 FIGURE = "Fig. 1"
 TITLE = "means of uniform numbers"
 PACE = "SLOW_PAPER_PACE"  # an environment variable; 0 is no time at all
+HOLD = "SLOW_PAPER_HOLD"  # another; cells of this level and above last until they are killed
+FOREVER = 600.0  # [s], which is longer than a test waits for anything
 N_TRIALS = {"quick": 2000, "full": 4000}
 
 
@@ -49,7 +51,8 @@ def grid(scale: str) -> Sequence[Cell]:
 
 def simulate(cell: Cell, seed: int) -> Arrays:
     """The numbers, and the cell's misdeed."""
-    time.sleep(cell.seconds * float(os.environ.get(PACE, "1")))
+    is_held = cell.level >= float(os.environ.get(HOLD, "inf"))
+    time.sleep(FOREVER if is_held else cell.seconds * float(os.environ.get(PACE, "1")))
     if cell.does == "raises":
         raise ZeroDivisionError("no such level")
     if cell.does == "dies":

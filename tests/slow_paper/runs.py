@@ -4,6 +4,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
+
+from command_line import heed_interrupts
 from dask_cluster import environment
 from insectnav.experiments.results import PROVENANCE
 from insectnav.experiments.store import FINISHED
@@ -14,10 +17,13 @@ FILES = ["caption.txt", "comparison.csv", "data.zarr", "figure.pdf", "figure.png
 N_CELLS = 16
 
 
-def start(out: Path, *options: str) -> subprocess.Popen:
-    """A process that runs the experiment."""
+def start(out: Path, *options: str, hold: float = np.inf) -> subprocess.Popen:
+    """A process that runs the experiment; cells of level ``hold`` and above do not end."""
     command = [sys.executable, "-W", "error", "-m", "slow_paper", str(out), *options]
-    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment())
+    settings = {fig_1.HOLD: str(hold), fig_1.PACE: "0.3"}
+    return subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, env=environment() | settings, preexec_fn=heed_interrupts
+    )
 
 
 def run_here(out: Path, scale: str = "quick") -> Path:

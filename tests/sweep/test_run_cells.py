@@ -1,16 +1,17 @@
 """Cells over executors: each on disk at once, in any order, and told apart when they fail."""
 
 import os
+import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-import psutil
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from command_line import PATIENCE
 from insectnav.checks import InputError
 from insectnav.experiments.experiment import code_version
 from insectnav.experiments.store import CellStore
@@ -82,18 +83,30 @@ def test_finished_cells_are_not_simulated_again(tmp_path: Path, monkeypatch: pyt
     assert store.finished() == {0, 1, 2, 3}
 
 
-def test_order_of_completion_changes_no_byte(tmp_path: Path):
-    cells = [fig_1.Cell(purpose="p", is_even=True, level=float(i), seconds=0.05 * (6 - i)) for i in range(6)]
+def test_order_of_completion_changes_no_byte(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """One after the other, and the last first: each waits until its successor is on disk."""
+    cells = some_cells(*6 * ["nothing"])
+    simulate, is_written = fig_1.simulate, [threading.Event() for _ in cells]
+
+    def wait_for_successor(cell: fig_1.Cell, seed: int) -> Any:
+        successors = is_written[int(cell.level) + 1 :]
+        assert not successors or successors[0].wait(PATIENCE)
+        return simulate(cell, seed)
+
     order: list[int] = []
     for name, n_threads in (("one", 1), ("six", 6)):
         store = CellStore(tmp_path / name, cells, {"a": 1})
         write = store.write
-        store.write = lambda index, arrays, write=write: (order.append(index), write(index, arrays))  # type: ignore
+        store.write = lambda index, arrays, write=write: (  # type: ignore
+            write(index, arrays), order.append(index), is_written[index].set()
+        )  # fmt: skip
         with ThreadPoolExecutor(n_threads) as on:
             run_cells(fig_1, cells, 3, store, on)
         store.complete()
-    assert order[:6] == [0, 1, 2, 3, 4, 5]
-    assert order[6:] != order[:6]
+        monkeypatch.setattr(fig_1, "simulate", wait_for_successor)
+        for event in is_written:
+            event.clear()
+    assert order == [0, 1, 2, 3, 4, 5, 5, 4, 3, 2, 1, 0]
     assert runs.contents(tmp_path / "one") == runs.contents(tmp_path / "six")
 
 
@@ -200,16 +213,24 @@ def test_process_that_is_killed_is_told(tmp_path: Path):
     assert len(CellStore(tmp_path, cells, {}).finished()) <= 3
 
 
+def test_process_that_cannot_be_started_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    def refuse(*_: object) -> None:
+        raise BlockingIOError(11, "Resource temporarily unavailable")
+
+    monkeypatch.setattr("multiprocessing.util.spawnv_passfds", refuse)
+    cells = some_cells("nothing", "nothing")
+    told = r"^no process could be started: Resource temp.*, expected room .* --resume and fewer --workers$"
+    with pytest.raises(InputError, match=told), executor(2) as on:
+        run_cells(fig_1, cells, 0, CellStore(tmp_path, cells, {}), on)
+
+
 def test_nobody_waits_for_cells_that_run_when_one_has_failed(tmp_path: Path):
-    children = set(psutil.Process().children())
-    slow = fig_1.Cell(purpose="slow", is_even=True, level=0.0, seconds=600.0)
+    slow = fig_1.Cell(purpose="slow", is_even=True, level=0.0, seconds=10 * PATIENCE)
     cells = [slow, *some_cells("raises", seconds=0.5), *some_cells("nothing")]
     before = time.monotonic()
     with pytest.raises(CellError, match=r"^cell 2 of 3"), executor(2) as on:
         run_cells(fig_1, cells, 0, CellStore(tmp_path, cells, {}), on)
-    assert time.monotonic() - before < 60.0
-    left = [child for child in set(psutil.Process().children()) - children if "spawn_main" in " ".join(child.cmdline())]
-    assert left == []
+    assert time.monotonic() - before < 5 * PATIENCE
 
 
 def test_worker_with_other_code_is_refused(tmp_path: Path):

@@ -5,9 +5,12 @@ import io
 import os
 import signal
 import sys
+import threading
 from contextlib import suppress
+from typing import NoReturn
 
-TERMINATED = 143  # exit code, as of shells
+INTERRUPTED, TERMINATED = 130, 143  # exit codes, as of shells; the command itself knows the first, too
+PAUSE = 0.05  # [s] before an interrupt that was lost comes again
 
 
 def main(figure: object = None) -> None:
@@ -35,7 +38,7 @@ def program() -> None:
     for library, level in (("OPENCV_LOG_LEVEL", "ERROR"), ("OPENCV_FFMPEG_LOGLEVEL", "-8")):
         os.environ.setdefault(library, level)  # what is wrong with a film is told in one sentence, by this program
     gc.disable()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(TERMINATED))  # so that temporary folders are removed
+    _end_by_signals()
     try:
         if sys.argv[1:2] == ["home"] and "--help" not in sys.argv:
             from insectnav.experiments.figure_process import HOME_FIGURE, FigureProcess
@@ -43,8 +46,42 @@ def program() -> None:
             with FigureProcess(HOME_FIGURE) as figure:
                 main(figure)
         main()
+    except KeyboardInterrupt:  # before the command has begun, or after its end
+        print("insectnav: interrupted", file=sys.stderr)
+        _leave(INTERRUPTED)
     except SystemExit as exit_:
-        with suppress(OSError):  # a closed pipe
-            sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(exit_.code if isinstance(exit_.code, int) else 1)
+        _leave(exit_.code if isinstance(exit_.code, int) else 1)
+
+
+def _leave(code: int) -> NoReturn:
+    with suppress(OSError):  # a closed pipe
+        sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)
+
+
+def _end_by_signals() -> None:
+    """Let Ctrl-C and SIGTERM raise something, so that temporary folders are removed, however often that takes.
+
+    The compiler of kernels does not pass on what is raised while it calls Python: the signal is then sent again.
+    """
+    received: list[int] = []
+
+    def end(number: int, _: object) -> NoReturn:
+        received.append(number)
+        if number == signal.SIGTERM:
+            sys.exit(TERMINATED)
+        raise KeyboardInterrupt
+
+    def look_at_lost(lost: "sys.UnraisableHookArgs") -> None:
+        if received and issubclass(lost.exc_type, KeyboardInterrupt | SystemExit):
+            again = threading.Timer(PAUSE, os.kill, (os.getpid(), received[-1]))
+            again.daemon = True
+            again.start()
+        elif not received:  # else it may be half an object, whose making was interrupted, that complains
+            sys.__unraisablehook__(lost)
+
+    sys.unraisablehook = look_at_lost
+    signal.signal(signal.SIGTERM, end)
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # else it is to be ignored
+        signal.signal(signal.SIGINT, end)

@@ -69,6 +69,7 @@ def _on_a_page(pictures: list[Path], folder: Path, opens_browser: bool) -> dict[
         webbrowser.open(server.url)
     with suppress(KeyboardInterrupt):  # one of the ways to end
         server.serve()
+    desk.close()
     return {"folder": str(folder), "masks": _saved(desk)}
 
 

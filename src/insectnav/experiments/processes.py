@@ -9,8 +9,17 @@ import threading
 import traceback
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
+from contextlib import suppress
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
+from multiprocessing.reduction import ForkingPickler
 from typing import Any, cast
+
+BROKEN_PIPE = (EOFError, OSError)  # what a pipe raises whose other end is gone
+
+
+class NotStartedError(BrokenExecutor):
+    """The system has no room for another process."""
 
 
 class Processes:
@@ -43,20 +52,23 @@ class Processes:
         with self._lock:
             self._is_ended = True
             for worker in self._all:
-                worker.process.terminate()
+                worker.process.kill()
 
     def close(self) -> None:
         """Wait for what is running, and for the processes to end."""
         self._threads.shutdown(cancel_futures=True)
         for worker in self._all:
             worker.pipe.close()
+        for worker in self._all:
             worker.process.join()
 
     def _call(self, function: Callable, arguments: tuple) -> Any:
+        task = ForkingPickler.dumps((function, arguments))
         worker = self._take()
-        result = worker.call(function, arguments)  # one that was killed is not taken again
+        answer = worker.call(task)  # one that was killed is not taken again
         with self._lock:
             self._idle.append(worker)
+        result = ForkingPickler.loads(answer)
         if isinstance(result, Failure):
             raise result.error
         return result
@@ -72,18 +84,27 @@ class Processes:
 
 
 class Worker:
-    """A process that runs one function after the other, and this end of its pipe."""
+    """A process that runs one function after the other, and this end of its pipe.
+
+    Raises
+    ------
+    NotStartedError
+        If the system refuses to start one.
+    """
 
     def __init__(self) -> None:
         context = multiprocessing.get_context("spawn")  # not forked: threads of compiled code do not survive that
-        self.pipe, its_pipe = context.Pipe()
-        self.process = context.Process(target=_serve, args=(its_pipe,))
-        _leave_interrupts_to_main_thread()
-        self.process.start()
-        its_pipe.close()
+        try:
+            _leave_interrupts_to_main_thread()
+            self.pipe, its_pipe = context.Pipe()
+            with its_pipe:
+                self.process = context.Process(target=_serve, args=(its_pipe,))
+                self.process.start()
+        except OSError as error:
+            raise NotStartedError(f"no process could be started: {error.strerror}") from error
 
-    def call(self, function: Callable, arguments: tuple) -> Any:
-        """What the function returns there, or the `Failure` that it ends with.
+    def call(self, task: memoryview) -> bytes:
+        """What comes of a pickled task, pickled: what its function returns, or the `Failure` that it ends with.
 
         Raises
         ------
@@ -91,45 +112,59 @@ class Worker:
             If the process dies.
         """
         try:
-            self.pipe.send((function, arguments))
-            return self.pipe.recv()
-        except (EOFError, OSError) as error:
+            self.pipe.send_bytes(task)
+            return self.pipe.recv_bytes()
+        except BROKEN_PIPE as error:
             raise BrokenExecutor("a process was killed") from error
 
 
 class Failure:
     """An error on its way from one process to another."""
 
-    def __init__(self, error: Exception) -> None:
+    def __init__(self, error: BaseException) -> None:
         self.error = error
 
 
 def _leave_interrupts_to_main_thread() -> None:
     """Ctrl-C does not reach this thread, nor a process that it starts: not even before that can ignore it."""
+    resource_tracker.ensure_running()  # else it is started with the process, and lets interrupts through again
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
 def _serve(pipe: Connection) -> None:
-    """Run what comes through the pipe until it is closed."""
+    """Do what comes through the pipe until it is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it cannot be blocked
     threading.Thread(target=_follow_parent, daemon=True).start()
-    while True:
-        try:
-            function, arguments = pipe.recv()
-        except EOFError:
-            return
-        try:
-            result = function(*arguments)
-        except Exception as error:
-            error.add_note(traceback.format_exc())  # the frames of another process are not sent
-            result = Failure(error)
-        try:
-            pipe.send(result)
-        except OSError:  # nobody listens any more
-            return
-        except Exception as error:
-            pipe.send(Failure(TypeError(f"what {function.__name__} returned cannot be sent: {error}")))
+    with suppress(*BROKEN_PIPE):  # nobody asks, or listens, any more
+        while True:
+            pipe.send_bytes(_answer(pipe.recv_bytes()))
+
+
+def _answer(task: bytes) -> memoryview:
+    """What comes of a task; errors have a note of their frames, which are not sent to another process."""
+    try:
+        function, arguments = ForkingPickler.loads(task)
+        result = function(*arguments)
+    except (Exception, SystemExit) as error:
+        error.add_note(traceback.format_exc())
+        return _pickled_failure(error)
+    try:
+        return ForkingPickler.dumps(result)
+    except Exception as error:
+        return _pickled_failure(TypeError(f"a result cannot be sent: {error}"))
+
+
+def _pickled_failure(error: BaseException) -> memoryview:
+    """The error as it can be made anew there, or one that tells of it."""
+    try:
+        pickled = ForkingPickler.dumps(Failure(error))
+        ForkingPickler.loads(pickled)
+        return pickled
+    except Exception:
+        told = TypeError(f"an error cannot be sent: {type(error).__name__}: {error}")
+        told.__notes__ = [str(note) for note in error.__notes__]
+        return ForkingPickler.dumps(Failure(told))
 
 
 def _follow_parent() -> None:

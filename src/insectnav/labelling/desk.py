@@ -52,7 +52,8 @@ class Desk:
         self.pictures = tuple(pictures)
         self.folder = folder
         self.saved: dict[int, Saved] = {}
-        self._lock = threading.Lock()
+        self._lock, self._saving = threading.Lock(), threading.Lock()
+        self._is_closed = False
         self._number = -1
         self._open: _OpenPicture | None = None
 
@@ -97,7 +98,9 @@ class Desk:
 
     def save(self, number: int, packed: bytes) -> Saved:
         """Leave mask and strokes in the folder."""
-        with self._lock:
+        with self._saving, self._lock:
+            if self._is_closed:
+                raise InputError("nothing is saved any more, expected this before the program was told to end")
             strokes = self._unpacked(number, packed)
             labels = grown(self._opened(number).grower, strokes)
             mask, strokes_path = self.mask_path(number), self.strokes_path(number)
@@ -106,6 +109,11 @@ class Desk:
             saved = Saved(picture=self.pictures[number], mask=mask, strokes=strokes_path, shares=shares(labels))
             self.saved[number] = saved
             return saved
+
+    def close(self) -> None:
+        """Let what is being saved be saved whole, and nothing after it."""
+        with self._saving:
+            self._is_closed = True
 
     def _unpacked(self, number: int, packed: bytes) -> Bytes:
         """Strokes (rows, columns); what unpacks to more is not unpacked."""

@@ -2,6 +2,7 @@
 
 import hashlib
 import os
+import uuid
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -55,9 +56,23 @@ def kernel(function: Callable) -> Any:
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = CACHE_FOLDER
     try:
-        return numba.njit(cache=_can_keep_code(), nogil=True, error_model="numpy")(function)
+        compiled = numba.njit(cache=_can_keep_code(), nogil=True, error_model="numpy")(function)
     finally:
         numba.config.CACHE_DIR = before
+    _name_code_once(compiled)
+    return compiled
+
+
+def _name_code_once(compiled: Any) -> None:
+    """Let each piece of machine code have a file that no other process writes.
+
+    Numba alone counts: processes that compile a function for different types at once give both pieces the same name,
+    and the list says from then on that one is the other. So one of them may be missing in the list, and is compiled
+    again.
+    """
+    files = getattr(compiled._cache, "_cache_file", None)  # none where no code is kept
+    if files is not None:
+        files._data_name = lambda number: f"{compiled.py_func.__name__}.{uuid.uuid4().hex}.nbc"
 
 
 def lane_function(function: Callable) -> Any:

@@ -42,15 +42,18 @@ async function grow() {
     return;
   }
   growing = true;
-  const before = at("status").textContent;
-  const slow = setTimeout(() => say(GROWING), 1500);
+  let before = null; // what the words took the place of
+  const slow = setTimeout(() => {
+    before = [at("status").textContent, at("status").className === "error"];
+    say(GROWING);
+  }, 1500);
   do {
     growAgain = false;
     if (open) await trying(() => growOnce(open));
   } while (growAgain);
   growing = false;
   clearTimeout(slow);
-  if (at("status").textContent === GROWING) say(before);
+  if (before && at("status").textContent === GROWING) say(...before);
 }
 
 async function growOnce(picture) {
@@ -99,25 +102,30 @@ async function go(number) {
   showList();
   await trying(async () => {
     const bitmap = await createImageBitmap(await (await ask(`picture/${number}`)).blob());
+    const saved = await savedStrokes(number);
     if (current !== number) return;
     const { width, height } = bitmap, layer = colours => new Layer(width, height, colours);
-    open = { number, bitmap, painting: new Painting(width, height), strokes: layer(STROKE), tint: layer(TINT),
-             mask: layer(MASK), labels: null, dirty: false };
+    open = { number, bitmap, painting: new Painting(width, height, saved.labels), strokes: layer(STROKE),
+             tint: layer(TINT), mask: layer(MASK), labels: null, dirty: false };
     fit();
     showShares();
-    say("Paint some sky and some ground; the right button paints the other one");
-    await trying(() => loadStrokes(open));
+    say(saved.words, saved.isError);
+    if (!saved.labels) return;
+    open.strokes.show(saved.labels);
+    await grow();
     showButtons();
   });
 }
 
-async function loadStrokes(picture) {
-  const answer = await ask(`strokes/${picture.number}`);
-  if (answer.status === 204) return;
-  picture.painting = new Painting(picture.bitmap.width, picture.bitmap.height, await unpacked(await answer.arrayBuffer()));
-  picture.strokes.show(picture.painting.labels);
-  say("These strokes were saved earlier");
-  await grow();
+// Strokes saved earlier, if any, and what to say of them; a picture without them is no less to be painted on.
+async function savedStrokes(number) {
+  try {
+    const answer = await ask(`strokes/${number}`);
+    if (answer.status === 204) return { words: "Paint some sky and some ground; the right button paints the other one" };
+    return { labels: await unpacked(await answer.arrayBuffer()), words: "These strokes were saved earlier" };
+  } catch (error) {
+    return { words: error.message, isError: true };
+  }
 }
 
 async function finish() {
