@@ -82,7 +82,7 @@ def test_variations_have_names_of_their_own_and_change_what_they_say():
 
 def test_street_trees_stand_beside_the_way_on_their_stretches():
     day = DAYS["april"]
-    without, city = city_of(replace(day, has_street_trees=False), 0.0, 0), city_of(day, 0.0, 0)
+    without, city = city_of(replace(day, trees="none"), 0.0, 0), city_of(day, 0.0, 0)
     n = without.mesh.n_triangles
     assert_array_equal(city.mesh.vertices[:n], without.mesh.vertices)
     names = np.asarray(city.mesh.materials)[city.mesh.material]
