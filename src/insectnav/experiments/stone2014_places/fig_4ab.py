@@ -192,7 +192,7 @@ def _draw_run(axes: Axes, run: Run, walks: Mapping[str, Walk], *, is_uv: bool) -
     else:
         small.imshow(query["colours"][example], aspect="auto")
     small.set(xticks=[], yticks=[])
-    small.set_title("a frame matched wrongly" if len(wrong) else "a frame", fontsize=4.5, pad=1.5)
+    small.set_title("matched wrongly" if len(wrong) else "a frame", fontsize=5.0, pad=1.5)
 
 
 def _draw_bars(axes: Axes, scores: Mapping[str, Score]) -> None:
@@ -204,9 +204,10 @@ def _draw_bars(axes: Axes, scores: Mapping[str, Score]) -> None:
             axes.barh(k + shift, 100.0 * value, 0.34, xerr=100.0 * error, color=COLOURS[colour], error_kw={"lw": 0.7})
     axes.set_yticks(range(len(scores)), list(scores))
     axes.invert_yaxis()
-    axes.set(xlim=(0.0, 158.0), xlabel="%", xticks=range(0, 101, 20))
+    axes.set(xlim=(0.0, 158.0), xlabel="recall, precision (%)", xticks=range(0, 101, 20))
     handles = [axes.patches[0], axes.patches[1]]
-    axes.legend(handles, ["recall at 100 % precision", "precision at 100 % recall"], loc="lower right")
+    names = ["recall at 100 % precision", "precision at 100 % recall"]
+    axes.legend(handles, names, loc="center right", bbox_to_anchor=(1.0, 0.43))
 
 
 def caption(results: Results) -> str:

@@ -218,7 +218,7 @@ def draw(results: Results) -> Figure:
             colour = COLOURS["blue"] if k == 0 else COLOURS["grey"]
             axes.errorbar(row[column], k, xerr=row[f"{column}_error"], fmt="o", color=colour, markersize=3, lw=0.8)
         axes.axvline(rows[0][column], color=COLOURS["blue"], linewidth=0.5, linestyle=":")
-        axes.set(xlabel="%")
+        axes.set(xlabel="recall (%)" if "recall" in title else "precision (%)")
         name_panel(axes, letter, title)
     panels[0].set_yticks(range(len(rows)), [row["variation"] for row in rows])
     panels[0].invert_yaxis()

@@ -244,8 +244,12 @@ def draw(results: Results) -> Figure:
         ((SINGLE, 1), "green", "--", SINGLE),
         ((ROTATION, 10), "green", "-", f"{ROTATION}, w = 10"),
     )
+    closer = panels["f"].inset_axes((0.4, 0.42, 0.58, 0.34))
     for key, colour, style, label in curves:
         draw_curve(panels["f"], answers[key], COLOURS[colour], label, style)
+        draw_curve(closer, answers[key], COLOURS[colour], "", style)
+    closer.set(xlim=(40.0, 100.5), ylim=(95.0, 100.3))
+    panels["f"].indicate_inset_zoom(closer, edgecolor=COLOURS["grey"], linewidth=0.5)
     name_panel(panels["f"], "f", "precision and recall")
     panels["f"].set_xlabel("recall (%)")
     panels["f"].set_ylabel("precision (%)")
@@ -281,9 +285,9 @@ def caption(results: Results, made_of: str) -> str:
         "lane, sway, speed, light and clouds of their own. (a) Three places as both cameras see them. (b–e) Matches; "
         "green: within 5 frames of the truth, red: farther off; line: truth. FAB-MAP and rotation matching take single "
         f"frames, SeqSLAM sequences of 10; FAB-MAP's vocabulary is of {n_training} frames of other rendered sites. "
-        "(f) Precision over recall; w is the length of the sequences. Contrast is that of the ten neighbouring "
-        "references, but for the sky in single frames, the nearest frame, and for sequences of rotation matching: over "
-        "all references."
+        "(f) Precision over recall, and its upper right corner larger; w is the length of the sequences. Contrast is "
+        "that of the ten neighbouring references, but for the sky in single frames, the nearest frame, and for "
+        "sequences of rotation matching: over all references."
     )
 
 
