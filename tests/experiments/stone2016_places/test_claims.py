@@ -89,7 +89,8 @@ def test_flare_counts_where_the_sun_shines_in():
         "sky_share": np.where(distance <= 260.0, 0.2, 0.6),
     }  # fmt: skip
     found = of_frames(query, STRAIGHT, is_track=True)
-    assert found["mislabelled_by_flare"] == pytest.approx(9.5)
+    assert found["mislabelled_by_flare"] == found["mislabelled_by_flare_under_canopy"] == pytest.approx(9.5)
+    assert np.isnan(of_frames(query, STRAIGHT, is_track=False)["mislabelled_by_flare_under_canopy"])
     assert (found["mislabelled_where_sunlit"], found["mislabelled_in_shade"]) == pytest.approx((10.0, 1.0))
     assert (found["sky_under_canopy"], found["sky_elsewhere"]) == pytest.approx((20.0, 60.0))
 

@@ -144,7 +144,7 @@ def test_words_on_misaligned_views_are_held_against_the_thirds_turned_least_and_
         )
         words = (
             "right_in_last_third_less_before", "right_under_canopy", "right_under_canopy_less_elsewhere",
-            "mislabelled_by_flare",
+            "mislabelled_by_flare", "mislabelled_where_sunlit", "mislabelled_in_shade",
         )  # fmt: skip
         others |= dict.fromkeys([f"{name}{end}" for name in words for end in ("", "_error")], 50.0)
         about = {"method": method, "sequence_length": length, "passages": "whole way", "site": "BMX Track"}

@@ -99,7 +99,10 @@ def of_frames(query: Arrays, ground: Ground, *, is_track: bool) -> dict[str, flo
         "sunlit": 100.0 * float(is_sunlit.mean()),
         "mislabelled_where_sunlit": 100.0 - mean_of(query["accuracy"], is_sunlit)[0],
         "mislabelled_in_shade": 100.0 - mean_of(query["accuracy"], ~is_sunlit)[0],
-    } | with_errors(mislabelled_by_flare=mean_of(by_flare, is_sunlit))
+    } | with_errors(
+        mislabelled_by_flare=mean_of(by_flare, is_sunlit),
+        mislabelled_by_flare_under_canopy=mean_of(by_flare, is_sunlit & in_forest),
+    )
 
 
 def claimed(rows: Rows, other_rows: Rows) -> dict[str, tuple[float, float]]:
