@@ -339,7 +339,7 @@ def _why(rows: Mapping[tuple[str, int], Mapping[str, Any]], varied_rows: Sequenc
     return (
         f"rendered, another place; right in percent in the thirds of the frames whose cameras are turned apart least "
         f"and most: {', '.join(turned)}; sky labelled right in {sky['sky_labelled_right']:.1f} % of the pixels, "
-        f"wrong in {sunlit:.2f} % where the sun shines in ({sunlit - sky['mislabelled_by_flare']:.2f} % without the lens "
-        f"flare, which is assumed), in {sky['mislabelled_in_shade']:.2f} % in the shade; "
+        f"wrong in {sunlit:.2f} % where the sun shines in ({sunlit - sky['mislabelled_by_flare']:.2f} % without the "
+        f"lens flare, which is assumed), in {sky['mislabelled_in_shade']:.2f} % in the shade; "
         f"precision at full recall in percent of {', '.join(parts)}; over the first part of the way: {'; '.join(lanes)}"
     )
