@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insectnav.experiments.experiment import Arrays, Results, Table
-from insectnav.experiments.figures import DOUBLE_COLUMN, RATES, name_panel
+from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
 from insectnav.experiments.published import Published, Verdict, judge, surplus, with_error
 from insectnav.experiments.stone2016_places.claims import longest_gap
 from insectnav.experiments.stone2016_places.frames import FULL_SIZE, Section, keep, sections
@@ -150,7 +150,6 @@ def worst_labelled(accuracy: Mapping[int, NDArray[Any]], pair: tuple[int, int]) 
 
 def draw(results: Results) -> Figure:
     """Pictures tilted apart, correspondences of three methods at 20°, 40° and 60°, precision and recall over tilt."""
-    from matplotlib import colormaps
     from matplotlib.figure import Figure
 
     answers, _ = recognised(results)
@@ -170,7 +169,7 @@ def draw(results: Results) -> Figure:
                 axes.set_xlabel("query frame")
     name_panel(panels[0, 0], "b", VANILLA)
     below = parts[2].subplots(1, len(DRAWN), sharex=True, sharey=True)
-    colours = colormaps[RATES](np.linspace(0.0, 0.92, len(PAIRS)))  # in order, as the tilts are
+    colours = [COLOURS[name] for name in ("black", "purple", "blue", "sky", "green", "orange", "red")]
     for letter, method, axes in zip("cde", DRAWN, below, strict=True):
         for apart, colour in zip(PAIRS, colours, strict=True):
             draw_curve(axes, answers[apart, method], colour, f"{apart}°")

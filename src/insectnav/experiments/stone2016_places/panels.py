@@ -22,7 +22,7 @@ def draw_correspondence(axes: Any, answer: Recognised) -> None:
     axes.text(0.03, 0.95, f"{share:.0f} % right", transform=axes.transAxes, va="top", fontsize=6.0, bbox=PLATE)
 
 
-def draw_curve(axes: Any, answer: Recognised, colour: Any, label: str, style: Any = "-") -> None:
+def draw_curve(axes: Any, answer: Recognised, colour: str, label: str, style: Any = "-") -> None:
     """Precision over recall [%], one step for each distinct score."""
     curve = answer.curve
     axes.plot(100.0 * curve.recall, 100.0 * curve.precision, style, color=colour, label=label, linewidth=0.9)
