@@ -314,35 +314,6 @@ def test_precision_on_the_stretches_with_crowns_is_of_the_queries_there():
     assert (there[0], less[0]) == (0.0, -1.0)
 
 
-# What frames show.
-
-
-def test_bits_that_change_are_counted_from_the_frame_before_and_to_the_one_after():
-    skies = np.zeros((4, 8100), bool)
-    skies[1, :810] = True  # a tenth of the bits
-    skies[3, :1620] = True
-    walk = walk_with("april", {"binary_sky": np.packbits(skies, axis=1)})
-    assert_allclose(fig_4ab.change_of_sky(walk, np.arange(4)), [0.1, 0.1, 0.15, 0.2])
-    assert_allclose(fig_4ab.change_of_sky(walk, np.array([0, 2])), 0.0)
-
-
-def test_grey_with_the_sky_masked_out_is_white_there_and_grey_below():
-    size, rows = 91, 28
-    pixels = mirror_pixels(size, 1.0)
-    up = np.zeros((105, 360), bool)
-    up[:60] = True  # from 90° down to 30°
-    sky = np.zeros((size, size), bool)
-    sky[pixels.seen] = up.ravel()[pixels.of_mirror][pixels.seen]
-    colours = np.full((1, rows, 180, 3), 80, np.uint8)
-    walk = Walk(
-        day="april", every=1, mirror_size=size,
-        arrays={"number": np.arange(1), "mirror_sky": np.packbits(sky)[None], "colours": colours},
-    )  # fmt: skip
-    below = MASKED[1].features(walk).reshape(16, 16)
-    assert (below[:8] == 255).all()  # rows of 6.6°: eight are above 37°
-    assert (below[10:] == 80).all()
-
-
 def test_sensitivity_varies_one_thing_at_a_time_over_the_whole_walk():
     cells = walk_sensitivity.grid("full")
     assert {cell.every for cell in cells} == {10}
