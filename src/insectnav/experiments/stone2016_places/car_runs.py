@@ -307,7 +307,7 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
     }
     sky = rows[SKY, 10]
     part = whole_or_why_not(SITES[sky["site"]], sky["n_frames"])
-    claims = claimed(rows, there) | dict.fromkeys(UNTESTED, (NONE, NONE))
+    claims = claimed(rows, there) | dict.fromkeys(UNTESTED, (NONE, 0.0))
     verdicts = []
     for value in published.values():
         if value.quantity in claims:
