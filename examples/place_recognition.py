@@ -123,7 +123,8 @@ with journal_style():
         axes[letter].set(xticks=range(-180, 181, 90), yticks=[0, 45, 90], xlabel="azimuth (deg)")
         name_panel(axes[letter], letter, title)
     axes["a"].set_ylabel("elevation (deg)")
-    axes["c"].imshow(differences[best], cmap=RATES, aspect="auto", origin="lower", interpolation="nearest")
+    shades = axes["c"].imshow(differences[best], cmap=RATES, aspect="auto", origin="lower", interpolation="nearest")
+    figure.colorbar(shades, ax=axes["c"], label="distance of amplitudes", pad=0.02, aspect=30)
     query = np.arange(len(query_place))
     for kind, colour in ((is_right, "white"), (is_matched & ~is_right, COLOURS["red"])):
         axes["c"].plot(query[kind], matches.reference[kind], ".", color=colour, markersize=1.8)
@@ -144,7 +145,7 @@ with journal_style():
         *query_place[shown].T, np.sin(estimate[shown]), np.cos(estimate[shown]),
         color=COLOURS["black"], scale=11, width=0.006, zorder=3,
     )  # fmt: skip
-    axes["e"].set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
+    axes["e"].set(xlabel="x (m)", ylabel="y (m)", aspect="equal", ylim=(-25, 430))
     axes["e"].legend(loc="best")
     name_panel(axes["e"], "e", "matches and headings")
     save_figure(figure, folder, "place-recognition")

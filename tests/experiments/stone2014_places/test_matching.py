@@ -23,7 +23,7 @@ from insectnav.experiments.stone2014_places.route_pairs import (
     run_pair,
     share_of,
 )
-from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS, OTHERS, UV, VISIBLE
+from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS, MAJORITY, MASKED, OTHERS, UV, VISIBLE
 from insectnav.experiments.stone2014_places.walks import Walk, walk_of
 from insectnav.matching import Matches, TurnMatrix, turn_matrix
 from insectnav.sweep import published_numbers
@@ -209,18 +209,26 @@ def sequence_row(way: str, recall: float, precision: float, **changed: float) ->
         "highest_precision_of_runs": precision,
     }
     row |= {f"{name}_{word}": 1.0 for name in ("tree_share", "sky_share") for word in ("where_right", "where_wrong")}
-    row |= {f"{name}_{word}": 1.0 for name in ("tree_share", "sky_share") for word in ("wrong_less_right", "error")}
+    seen = ("tree_share", "sky_share", "sky_change")
+    row |= {f"{name}_{word}": 1.0 for name in seen for word in ("wrong_less_right", "error")}
     return row | changed
 
 
 def test_verdicts_of_seqslam_follow_from_the_table():
-    others = [sequence_row(way.name, 50.0, 80.0) for way in OTHERS]
+    better = (MAJORITY.name, MASKED[1].name)  # than skies of bits: smoothed, and the better of two masked greys
+    others = [sequence_row(way.name, 50.0, 96.0 if way.name in better else 80.0) for way in OTHERS]
     trees = {"tree_share_wrong_less_right": 2.0, "sky_share_wrong_less_right": -5.0}
     table = [sequence_row(UV.name, 80.0, 94.0, **trees), sequence_row(VISIBLE.name, 60.0, 97.0), *others]
     as_printed = verdicts("stone2014-fig-4ab", table)
-    assert {verdict.verdict for verdict in as_printed.values()} == {AGREES}
-    table[0] = sequence_row(UV.name, 40.0, 70.0, tree_share_wrong_less_right=-5.0)
+    agreed = {name for name, verdict in as_printed.items() if verdict.verdict == AGREES}
+    assert set(as_printed) - agreed == set(fig_4ab.UNTESTED)
+    for name, reason in fig_4ab.UNTESTED.items():
+        assert (as_printed[name].verdict, as_printed[name].why) == (NOT_COMPARABLE, reason)
+    table[0] = sequence_row(UV.name, 40.0, 70.0, tree_share_wrong_less_right=-5.0, sky_change_wrong_less_right=-9.0)
+    table[2] = sequence_row(OTHERS[0].name, 40.0, 60.0)
     other = verdicts("stone2014-fig-4ab", table)
+    assert other["precision at 100 % recall, majority of three frames less one, UV"].ours == -10.0
+    assert other["sky changed from frame to frame, wrong less right matches, UV"].verdict == DIFFERS
     assert other["recall at 100 % precision, UV"].verdict == DIFFERS
     assert other["trees above the horizon, wrong less right matches, UV"].verdict == DIFFERS
     assert "rendered" in other["recall at 100 % precision, UV"].why
@@ -233,6 +241,7 @@ def test_verdicts_of_the_compass_take_the_better_of_grey_and_colour():
         return {
             "way": way, "queries_of": "both", "n_frames": 2789, "precision": precision, "precision_error": 1.0,
             "precision_within_10_m": precision, "leads_away": away, "leads_away_error": 1.0, "median_astray_deg": 4.0,
+            "wrong_far_away": 90.0, "wrong_far_away_error": 2.0,
         }  # fmt: skip
 
     table = [row(way, 84.0, 5.0) for way in fig_4cd.WAYS]
@@ -242,6 +251,9 @@ def test_verdicts_of_the_compass_take_the_better_of_grey_and_colour():
     given = verdicts("stone2014-fig-4cd", table)
     assert {verdict.verdict for verdict in given.values()} == {AGREES}
     assert given["precision, visible"].ours == 45.0
+    table[0] |= {"wrong_far_away": 20.0}
+    near = verdicts("stone2014-fig-4cd", table)["wrong matches more than 100 m away, UV"]
+    assert near.verdict == DIFFERS  # 20 ± 2 where more than half are claimed
 
 
 def test_verdicts_of_descriptors_and_variations_follow_from_the_table():
@@ -255,19 +267,51 @@ def test_verdicts_of_descriptors_and_variations_follow_from_the_table():
 
     names = descriptors_walk.NAMES
     table = [row(name, precision, 60.0) for name, precision in zip(names, (94.0, 70.0, 97.0, 90.0, 95.0), strict=True)]
-    assert {verdict.verdict for verdict in verdicts("stone2014-descriptors-walk", table).values()} == {AGREES}
+    given = verdicts("stone2014-descriptors-walk", table)
+    assert {name for name, verdict in given.items() if verdict.verdict != AGREES} == set(descriptors_walk.UNTESTED)
     table[1] = row(names[1], 99.9, 100.0)
     found_words = verdicts("stone2014-descriptors-walk", table)
     assert found_words["precision, Zernike less Fourier contour"].verdict == DIFFERS
 
-    def varied(name: str, uv: float, visible: float) -> dict[str, Any]:
+    def varied(name: str, uv: float, visible: float, under: float) -> dict[str, Any]:
         shares = {"uv_precision": uv, "visible_precision": visible, "compass_precision": 80.0}
+        for key in ("uv", "visible", "contour", "zernike"):
+            shares |= {f"{key}_on_stretches": under, f"{key}_on_stretches_less_elsewhere": under - uv}
         return {"variation": name} | shares | {f"{column}_error": 0.5 for column in shares}
 
-    table = [varied("as set", 90.0, 80.0), varied("one weather and sun", 91.0, 95.0)]
+    table = [varied("as set", 90.0, 80.0, 85.0), varied("one weather and sun", 91.0, 95.0, 85.0)]
     given = verdicts("stone2014-walk-sensitivity", table)
     assert given["precision, one weather less as set, UV"].verdict == AGREES
     assert given["precision, bare trees on both days less as set, UV"].verdict == NOT_COMPARABLE
+    crowns = varied("crowns over the way", 80.0, 80.0, 40.0) | {
+        "visible_on_stretches": 60.0,
+        "zernike_on_stretches": 55.0,
+    }
+    table += [varied("no trees over the way", 90.0, 80.0, 90.0), crowns]
+    given = verdicts("stone2014-walk-sensitivity", table)
+    expected = {
+        "precision there with crowns over the way less without trees, UV": -50.0,
+        "precision under crowns less elsewhere, UV": -40.0,
+        "precision under crowns, visible less UV": 20.0,
+        "precision under crowns less elsewhere, Fourier contour": -40.0,
+        "precision under crowns, Zernike less Fourier contour": 15.0,
+    }
+    assert {name: given[name].ours for name in expected} == expected
+    assert {given[name].verdict for name in expected} == {AGREES}
+    (untested,) = walk_sensitivity.UNTESTED
+    assert given[untested].verdict == NOT_COMPARABLE
+
+
+def test_precision_on_the_stretches_with_crowns_is_of_the_queries_there():
+    day = "april"
+    share = np.arange(0, 1452, 12) / 1451
+    walk = walk_with(day, {"number": np.arange(0, 1452, 12)})
+    is_there = (
+        ((share >= 0.1) & (share <= 0.2)) | ((share >= 0.42) & (share <= 0.52)) | ((share >= 0.74) & (share <= 0.84))
+    )
+    run = run_with(~is_there, np.ones(len(share)), 1932.0 * share)
+    there, less = walk_sensitivity._on_stretches([run], {day: walk})
+    assert (there[0], less[0]) == (0.0, -1.0)
 
 
 def test_sensitivity_varies_one_thing_at_a_time_over_the_whole_walk():

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from insectnav.angles import wrap
 from insectnav.experiments.stone2014_places import fig_4ab
 from insectnav.experiments.stone2014_places.mirror import LARGEST_ANGLE, in_mirror, mirror_pixels, unwrapped
+from insectnav.experiments.stone2014_places.street_trees import CROWNS, ROW
 from insectnav.experiments.stone2014_places.walk import DAYS, VARIATIONS, city_of, walked
 from insectnav.experiments.stone2014_places.walk_frames import (
     SKY_SIZE,
@@ -18,6 +19,9 @@ from insectnav.experiments.stone2014_places.walk_frames import (
     section_arrays,
     sections,
 )
+from insectnav.worlds.lit_world import light_world
+from insectnav.worlds.rays import cast_rays
+from insectnav.worlds.sky import sky_at
 from insectnav.worlds.traverse import way_length
 
 SMALL = {"every": 40, "resolution_deg": 3.0, "supersampling": 1, "mirror_size": 91}
@@ -82,7 +86,7 @@ def test_variations_have_names_of_their_own_and_change_what_they_say():
 
 def test_street_trees_stand_beside_the_way_on_their_stretches():
     day = DAYS["april"]
-    without, city = city_of(replace(day, has_street_trees=False), 0.0, 0), city_of(day, 0.0, 0)
+    without, city = city_of(replace(day, trees="none"), 0.0, 0), city_of(day, 0.0, 0)
     n = without.mesh.n_triangles
     assert_array_equal(city.mesh.vertices[:n], without.mesh.vertices)
     names = np.asarray(city.mesh.materials)[city.mesh.material]
@@ -95,6 +99,24 @@ def test_street_trees_stand_beside_the_way_on_their_stretches():
     assert 1.0 < away.min() < away.max() < 3.0  # 2 m aside, trunks of 0.2 m, a way point every metre
     bare = city_of(DAYS["january"], 0.0, 0)
     assert bare.mesh.n_triangles < city.mesh.n_triangles
+
+
+def test_crowns_reach_over_the_walk_on_their_stretches_alone():
+    names = {}
+    for variation in ("as set", "crowns over the way"):
+        day = VARIATIONS[variation].day("april")
+        position = walked("april", 0, VARIATIONS[variation])[0].position[::12]
+        world = light_world(city_of(day, 0.0, 0), sky_at(np.datetime64("2014-04-15T15:47"), 55.94, -3.19, "clear"))
+        up = np.broadcast_to([0.0, 0.0, 1.0], (len(position), 1, 3))
+        names[variation] = cast_rays(world.shape, position, up)[0][:, 0] >= 0
+    is_there = CROWNS.covers(np.arange(0, 1452, 12) / 1451)
+    assert names["crowns over the way"][is_there].mean() > 0.15  # leaves of April, 0.4 of those of summer
+    assert not names["crowns over the way"][~is_there].any()
+    assert names["as set"].mean() < 0.01  # a row of trees 2 m beside the way does not cover it
+
+
+def test_places_are_covered_by_the_share_of_the_way():
+    assert ROW.covers([0.11, 0.12, 0.17, 0.18, 0.47, 0.8]).tolist() == [False, True, True, False, True, True]
 
 
 # The mirror.

@@ -71,3 +71,21 @@ def test_tilt_moves_the_sky_back_in_the_picture():
     down, up = (record(replace(still, passage=number), 0).sky[0] for number in (0, 7))
     rows = np.arange(SECTION.size)[:, None]
     assert (rows * down).sum() / down.sum() > (rows * up).sum() / up.sum() + 8
+
+
+def test_without_flare_the_picture_has_the_same_noise_and_no_veil(recorded):
+    assert recorded.plain_uv.shape == recorded.uv.shape
+    dark = ~recorded.sky & camera_of(SECTION.size).pixels_seen()
+    # Of the light that falls on the lens a veil goes over what is dark; exposure is metered anew for each.
+    assert recorded.plain_uv[dark].astype(float).mean() < recorded.uv[dark].astype(float).mean()
+    assert recorded.is_sunlit.shape == (SECTION.n_frames,)
+
+
+def test_masks_by_the_watershed_and_without_flare_are_kept_for_the_car(recorded):
+    kept = keep(SECTION, 0, with_pictures=True)
+    seen = camera_of(SECTION.size).pixels_seen()
+    masks = sky_masks(recorded.uv, camera_of(SECTION.size), "watershed-islands")
+    np.testing.assert_allclose(
+        kept["watershed_accuracy"][1], 100.0 * (masks == recorded.sky)[:, seen].mean(axis=1), atol=1e-9
+    )
+    assert not {"plain_amplitudes", "watershed_amplitudes"} & set(keep(SECTION, 0, with_pictures=False))

@@ -176,7 +176,9 @@ def draw(results: Results) -> Figure:
         name_panel(axes, letter, "all frames" if every == 1 else f"every {every}{'rd' if every == 3 else 'th'} frame")
     panels[0].set_ylabel("precision")
     handles = [panels[-1].plot([], [], color=COLOURS[colour], label=way)[0] for way, colour in COLOUR.items()]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(COLOUR))
+    for style, label in (("--", "10 steps"), ("-", "20 steps")):
+        handles += panels[-1].plot([], [], style, color=COLOURS["black"], linewidth=0.9, label=label)
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), columnspacing=1.2, handlelength=1.6)
     return figure
 
 

@@ -29,7 +29,7 @@ GREY, COLOUR, NORMAL = "visible, grey", "visible, colour", "visible, grey, norma
 WAYS = (UV, UV_UNMOVED, UV_AFTER, GREY, COLOUR, NORMAL)
 UNMOVED_REDUCTION = 3  # of the mirror picture where it is not centred: bits enough, a ninth of the time
 AWAY = float(np.deg2rad(45.0))  # [rad] from the course, at which a direction leads away from the way; assumed
-
+FAR = 100.0  # [m] to a match far from the current location; assumed
 
 # The same frames as of `fig_4ab`.
 Cell, grid, simulate = fig_4ab.Cell, fig_4ab.grid, fig_4ab.simulate
@@ -77,6 +77,7 @@ def _row(runs: Sequence[CompassRun]) -> dict[str, Any]:
     distance = np.concatenate([run.distance for run in runs])[is_matched]
     precision, precision_error = share_of(right, distance)
     away, away_error = share_of(astray > AWAY, distance)
+    far, far_error = (float("nan"),) * 2 if right.all() else share_of(error[~right] > FAR, distance[~right])
     row: dict[str, Any] = {
         "n_matches": len(right),
         "precision": 100.0 * precision,
@@ -86,6 +87,8 @@ def _row(runs: Sequence[CompassRun]) -> dict[str, Any]:
         "median_astray_where_right_deg": float(np.rad2deg(np.median(astray[right]))) if right.any() else float("nan"),
         "leads_away": 100.0 * away,
         "leads_away_error": 100.0 * away_error,
+        "wrong_far_away": 100.0 * far,
+        "wrong_far_away_error": 100.0 * far_error,
     }
     return row | {f"precision_within_{t:.0f}_m": 100.0 * float((error <= t).mean()) for t in TOLERANCES}
 
@@ -132,7 +135,7 @@ def _draw_bars(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
         axes.text(2.0, k, f"{row['precision']:.1f}", va="center", fontsize=5.5)
     axes.set_yticks(range(len(rows)), [row["way"] for row in rows])
     axes.invert_yaxis()
-    axes.set(xlim=(0.0, 102.0), xlabel="%")
+    axes.set(xlim=(0.0, 102.0), xlabel="precision (%)")
     for value, of in ((84.7, (0, 3)), (44.1, (3, len(rows)))):  # published, over the bars that they are of
         axes.plot([value, value], [of[0] - 0.45, of[1] - 0.55], color=COLOURS["black"], linewidth=1.0, linestyle=":")
     axes.lines[-1].set_label("published")
@@ -167,6 +170,9 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
         "precision, UV less visible": surplus(uv, visible, "precision"),
         "directions that lead away, visible less UV": surplus(visible, uv, "leads_away"),
         "direction off the course, median, UV": (uv["median_astray_deg"], 0.0),
+        "precision, sky centred less not centred, UV": surplus(uv, rows[UV_UNMOVED], "precision"),
+        "wrong matches more than 100 m away, UV": with_error(uv, "wrong_far_away"),
+        "wrong matches more than 100 m away, visible": with_error(visible, "wrong_far_away"),
         "precision, SeqSLAM first less compass alone, UV": surplus(after, uv, "precision"),
     }
     why, part = _why(rows), whole_or_why_not(uv["n_frames"])

@@ -2,17 +2,22 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insectnav.experiments.stone2014_places.mirror import mirror_pixels, unwrapped
 from insectnav.experiments.stone2014_places.route_pairs import Pair, Run, run_pair
+from insectnav.experiments.stone2014_places.walk_frames import GREY_SIZE, grey_of, reduced
 from insectnav.experiments.stone2014_places.walks import Walk
 from insectnav.matching import OPENSEQSLAM_V1, SeqSlamParams
 from insectnav.vision.descriptors import NOTHING, patch_normalised
 
 SMOOTHED = 3  # frames whose majority is taken, the last of them the present one
+UNWRAPPED_DEG = 1.0  # [°] of the panorama in which the sky of the mirror is unwrapped
+WHITE = 255.0  # what stands for the sky where it is masked out
 PATCH = 8  # [px] OpenSeqSLAM; 2 × 2 patches in 16 × 16 pixels
 
 
@@ -56,6 +61,19 @@ def _patches(grey: NDArray[np.uint8]) -> NDArray[Any]:
     return patch_normalised(grey, size=None, patch_px=PATCH, rounded=True, flat_patch=NOTHING)
 
 
+@lru_cache(maxsize=4)
+def _grey_below(walk: Walk) -> NDArray[np.uint8]:
+    """Unwrapped grey of 16 × 16 pixels with the sky, as the ultraviolet camera has it, in one white."""
+    rows, columns = walk["colours"].shape[1:3]
+    pixels = mirror_pixels(walk.mirror_size, UNWRAPPED_DEG)
+    below = []
+    for frame, colours in enumerate(walk["colours"]):
+        sky = unwrapped(walk.mirror_sky(frame), pixels).astype(np.float32)
+        share = reduced(sky, (rows, columns))
+        below.append(reduced(grey_of(colours) * (1.0 - share) + WHITE * share, (GREY_SIZE, GREY_SIZE)))
+    return np.rint(below).astype(np.uint8)
+
+
 def _kept(name: str) -> Callable[[Walk], NDArray[Any]]:
     def features(walk: Walk) -> NDArray[Any]:
         return walk[name]
@@ -81,8 +99,17 @@ VISIBLE = Way(
     turned=lambda walk: _patches(_half_turned(walk["grey"])),
 )
 AS_PUBLISHED = (UV, VISIBLE)
+MAJORITY = Way(name="UV, majority of three frames", features=_smoothed_skies, metric="hamming")
+MASKED = (
+    Way(name="visible, sky masked out", features=lambda walk: _patches(_grey_below(walk)), metric="openseqslam-v1"),
+    Way(
+        name="visible, sky masked out, no patches",
+        features=lambda walk: _grey_below(walk).reshape(len(walk), -1),
+        metric="openseqslam-v1",
+    ),
+)
 OTHERS = (
-    Way(name="UV, majority of three frames", features=_smoothed_skies, metric="hamming"),
+    MAJORITY,
     Way(name="UV, contrast from its bound", features=Walk.binary_skies, metric="hamming", params=SeqSlamParams()),
     Way(
         name="visible, contrast from its bound",
@@ -96,6 +123,7 @@ OTHERS = (
         features=lambda walk: walk["grey"].reshape(len(walk), -1),
         metric="openseqslam-v1",
     ),
+    *MASKED,
 )
 DESCRIPTORS = (
     UV,

@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from insectnav.checks import check_choice
-from insectnav.experiments.stone2014_places.street_trees import with_street_trees
+from insectnav.experiments.stone2014_places.street_trees import PLANTINGS, with_street_trees
 from insectnav.records import Poses
 from insectnav.worlds.builders import build_world
 from insectnav.worlds.built_world import BuiltWorld
@@ -46,7 +46,7 @@ class Day:
     foliage : 0 bare trees, 1 summer
     offset : of the line walked, to the right of the way [m]
     world_time : at which cars and people are seen first [s]
-    has_street_trees : whether there are trees over stretches of the way
+    trees : along stretches of the way, of `street_trees.PLANTINGS`
     number : of the day, for seeds
     """
 
@@ -58,7 +58,7 @@ class Day:
     offset: float
     world_time: float
     number: int
-    has_street_trees: bool = True
+    trees: str = "row"
 
 
 DAYS = {
@@ -92,7 +92,7 @@ class Variation:
     Parameters
     ----------
     name : as tables have it
-    has_street_trees : whether there are trees over stretches of the way
+    trees : along stretches of the way, of `street_trees.PLANTINGS`
     has_leaves : whether April has leaves that January has not
     sway : factor on what the rig turns, tilts and strays
     tilt : factor on what it tilts alone
@@ -102,7 +102,7 @@ class Variation:
     """
 
     name: str
-    has_street_trees: bool = True
+    trees: str = "row"
     has_leaves: bool = True
     sway: float = 1.0
     tilt: float = 1.0
@@ -118,7 +118,7 @@ class Variation:
             day = replace(day, foliage=other.foliage)
         if not self.has_weather:
             day = replace(day, start=other.start, weather=other.weather, cloud_seed=other.cloud_seed)
-        return replace(day, offset=self.offset * day.offset, has_street_trees=self.has_street_trees)
+        return replace(day, offset=self.offset * day.offset, trees=self.trees)
 
 
 AS_SET = Variation(name="as set")
@@ -126,7 +126,8 @@ VARIATIONS = {
     variation.name: variation
     for variation in (
         AS_SET,
-        Variation(name="no trees over the way", has_street_trees=False),
+        Variation(name="no trees over the way", trees="none"),
+        Variation(name="crowns over the way", trees="crowns"),
         Variation(name="bare trees on both days", has_leaves=False),
         Variation(name="one weather and sun", has_weather=False),
         Variation(name="one line", offset=0.0),
@@ -141,7 +142,8 @@ VARIATIONS = {
 def city_of(day: Day, seconds: float, seed: int) -> BuiltWorld:
     """The city with the foliage of that day, cars and people as they are so many seconds after the first picture."""
     city = build_world("city", seed=seed, foliage=day.foliage, time_s=day.world_time + seconds)
-    return with_street_trees(city, day.foliage) if day.has_street_trees else city
+    planting = PLANTINGS[day.trees]
+    return city if planting is None else with_street_trees(city, day.foliage, planting)
 
 
 def lit_city(day: Day, seconds: float, seed: int) -> LitWorld:

@@ -124,10 +124,10 @@ def _kept(view: Mapping[str, Any], pixels: MirrorPixels, method: str, seed: int,
     return {
         "mirror_sky": np.packbits(sky),
         "binary_sky": np.packbits(binary_sky(sky, SKY_SIZE)),
-        "uv": _reduced(unwrapped(uv, pixels), UNWRAPPED),
-        "colours": _reduced(colours, UNWRAPPED),
-        "grey": _reduced(in_mirror(grey, pixels), (GREY_SIZE, GREY_SIZE)),
-        "grey_unwrapped": _reduced(grey, (GREY_SIZE, GREY_SIZE)),
+        "uv": reduced(unwrapped(uv, pixels), UNWRAPPED),
+        "colours": reduced(colours, UNWRAPPED),
+        "grey": reduced(in_mirror(grey, pixels), (GREY_SIZE, GREY_SIZE)),
+        "grey_unwrapped": reduced(grey, (GREY_SIZE, GREY_SIZE)),
         "contour": contour_amplitudes(sky).astype(np.float32),
         "zernike": zernike_amplitudes(outline).astype(np.float32),
         "harmonics": harmonic_amplitudes(outline, n_degrees=N_DEGREES).astype(np.float32),
@@ -175,11 +175,11 @@ def grey_of(colours: Bytes) -> Bytes:
     return np.rint(colours @ np.array(LUMA)).astype(np.uint8)
 
 
-def _reduced(picture: Bytes, size: tuple[int, int]) -> Bytes:
-    """Mean of the pixels that each of fewer pixels covers."""
+def reduced(picture: NDArray[Any], size: tuple[int, int]) -> NDArray[Any]:
+    """Mean of the pixels that each of fewer pixels covers, of the same type."""
     import cv2
 
-    return np.asarray(cv2.resize(picture, size[::-1], interpolation=cv2.INTER_AREA), np.uint8)
+    return np.asarray(cv2.resize(picture, size[::-1], interpolation=cv2.INTER_AREA), picture.dtype)
 
 
 def _dimensions(name: str, values: NDArray[Any]) -> tuple[str, ...]:

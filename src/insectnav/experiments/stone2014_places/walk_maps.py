@@ -56,16 +56,16 @@ def frame_map(axes: Axes, position: Any, beside: tuple[float, float] = (0.48, 0.
 def inset(axes: Axes, bounds: tuple[float, float, float, float]) -> Any:
     """Axes within axes, with small numbers and an opaque ground."""
     small = axes.inset_axes(bounds)
-    small.tick_params(labelsize=4.0, pad=1.0, length=1.5)
+    small.tick_params(labelsize=5.0, pad=1.0, length=1.5)
     small.patch.set_alpha(0.85)
     return small
 
 
 def draw_correspondence(axes: Axes, reference: Any, is_right: NDArray[np.bool_], labels: tuple[str, str]) -> None:
     """Number of the match against number of the query, in an inset at the upper right."""
-    small = inset(axes, (0.81, 0.66, 0.19, 0.24))
+    small = inset(axes, (0.835, 0.66, 0.165, 0.24))
     query = np.arange(len(reference))
     for chosen, colour in ((is_right, RIGHT), ((reference >= 0) & ~is_right, WRONG)):
         small.plot(query[chosen], reference[chosen], ".", color=colour, markersize=1.5)
-    small.set_xlabel(labels[0], fontsize=4.5, labelpad=1.0)
-    small.set_ylabel(labels[1], fontsize=4.5, labelpad=1.0)
+    small.set_xlabel(f"query, {labels[0].capitalize()}", fontsize=5.0, labelpad=1.0)
+    small.set_ylabel(f"match, {labels[1].capitalize()}", fontsize=5.0, labelpad=1.0)

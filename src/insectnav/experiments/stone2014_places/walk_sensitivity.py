@@ -8,17 +8,27 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge, surplus
+from insectnav.experiments.published import Published, Verdict, judge, with_error
 from insectnav.experiments.stone2014_places import compass_runs
 from insectnav.experiments.stone2014_places.compass_runs import both_directions, queries_of
-from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, Score, pooled, route_pairs, share_of
-from insectnav.experiments.stone2014_places.sequence_ways import AS_PUBLISHED
-from insectnav.experiments.stone2014_places.walk import VARIATIONS
+from insectnav.experiments.stone2014_places.route_pairs import (
+    TOLERANCE,
+    Run,
+    Score,
+    contrast_of,
+    pooled,
+    route_pairs,
+    share_of,
+)
+from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS, UV, VISIBLE
+from insectnav.experiments.stone2014_places.street_trees import CROWNS
+from insectnav.experiments.stone2014_places.walk import DAYS, VARIATIONS
 from insectnav.experiments.stone2014_places.walk_frames import Section, section_arrays, sections
-from insectnav.experiments.stone2014_places.walks import both_walks
+from insectnav.experiments.stone2014_places.walks import Walk, both_walks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,6 +40,37 @@ MIRROR_SIZE = 345  # [px] half the published size
 FINER = "pixels of 0.5°"
 QUICK = {"stop": 300, "resolution_deg": 3.0, "mirror_size": 115}
 QUICK_NAMES = ("as set", "no sway at all")
+AS_SET, NO_TREES, UNDER_CROWNS = "as set", "no trees over the way", "crowns over the way"
+# What is told apart on the stretches that have crowns over them under one variation.
+KEYS = dict(zip([way.name for way in DESCRIPTORS], ("uv", "contour", "zernike", "harmonics", "visible"), strict=True))
+UNTESTED = {
+    "sky covered by traffic and pedestrians": (
+        "by construction: the rig is carried 2 m high on level ground, the tallest built person has 1.8 m, cars 1.5 m"
+    ),
+}
+# By quantity: a variation and a column of the table, and those of what is taken off.
+WANTED = {
+    "precision, bare trees on both days less as set, UV": (
+        "bare trees on both days", "uv_precision", AS_SET, "uv_precision",
+    ),
+    "precision, one weather less as set, UV": ("one weather and sun", "uv_precision", AS_SET, "uv_precision"),
+    "precision, one weather less as set, visible": (
+        "one weather and sun", "visible_precision", AS_SET, "visible_precision",
+    ),
+    "precision there with crowns over the way less without trees, UV": (
+        UNDER_CROWNS, "uv_on_stretches", NO_TREES, "uv_on_stretches",
+    ),
+    "precision under crowns less elsewhere, UV": (UNDER_CROWNS, "uv_on_stretches_less_elsewhere", "", ""),
+    "precision under crowns, visible less UV": (
+        UNDER_CROWNS, "visible_on_stretches", UNDER_CROWNS, "uv_on_stretches",
+    ),
+    "precision under crowns less elsewhere, Fourier contour": (
+        UNDER_CROWNS, "contour_on_stretches_less_elsewhere", "", "",
+    ),
+    "precision under crowns, Zernike less Fourier contour": (
+        UNDER_CROWNS, "zernike_on_stretches", UNDER_CROWNS, "contour_on_stretches",
+    ),
+}  # fmt: skip
 COLUMNS = ("uv_recall", "uv_precision", "visible_precision", "compass_precision")
 
 
@@ -58,10 +99,16 @@ def simulate(cell: Cell, seed: int) -> Arrays:
 
 @dataclass(frozen=True, kw_only=True)
 class _Found:
-    """Scores of SeqSLAM, UV and visible, and precision of the compass on skies of bits with its standard error."""
+    """What came out under a variation.
+
+    Scores of SeqSLAM, UV and visible; on the stretches of `CROWNS`, precision and precision less that elsewhere of each
+    of `KEYS`; precision of the compass on skies of bits; each with its standard error.
+    """
 
     uv: Score
     visible: Score
+    on_stretches: Mapping[str, tuple[float, float]]
+    less_elsewhere: Mapping[str, tuple[float, float]]
     compass: tuple[float, float]
     right_pixels: float
 
@@ -73,7 +120,8 @@ def _found(results: Results) -> dict[str, _Found]:
     for name, wanted in _variations(results).items():
         walks = both_walks(results, **wanted)
         pairs = route_pairs(tuple(walks), EVERY)
-        uv, visible = (pooled(way.runs(walks, pairs)) for way in AS_PUBLISHED)
+        runs = {way.name: way.runs(walks, pairs) for way in DESCRIPTORS}
+        there = {KEYS[way]: _on_stretches(of_way, walks) for way, of_way in runs.items()}
         right, distance = [], []
         for reference, query in both_directions(walks):
             queries = queries_of(query)
@@ -83,8 +131,32 @@ def _found(results: Results) -> dict[str, _Found]:
             distance.append(run.distance)
         compass = share_of(np.concatenate(right), np.concatenate(distance))
         pixels = float(np.mean([walk["right_pixels"].mean() for walk in walks.values()]))
-        found[name] = _Found(uv=uv, visible=visible, compass=compass, right_pixels=pixels)
+        found[name] = _Found(
+            uv=pooled(runs[UV.name]),
+            visible=pooled(runs[VISIBLE.name]),
+            on_stretches={key: share for key, (share, _) in there.items()},
+            less_elsewhere={key: less for key, (_, less) in there.items()},
+            compass=compass,
+            right_pixels=pixels,
+        )
     return found
+
+
+def _is_there(run: Run, walks: Mapping[str, Walk]) -> NDArray[np.bool_]:
+    """Which queries are on the stretches of `CROWNS`, whatever stands there."""
+    day = run.pair.query_day
+    return CROWNS.covers(walks[day]["number"][run.queries] / (DAYS[day].n_frames - 1))
+
+
+def _on_stretches(runs: Sequence[Run], walks: Mapping[str, Walk]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Precision of the matches on the stretches of `CROWNS`, and the same less that elsewhere, with standard errors."""
+    is_matched = np.concatenate([run.is_matched for run in runs])
+    is_right = np.concatenate([run.is_right() for run in runs])[is_matched]
+    distance = np.concatenate([run.distance for run in runs])[is_matched]
+    is_there = np.concatenate([_is_there(run, walks) for run in runs])[is_matched]
+    if not is_there.any():
+        return (float("nan"),) * 2, (float("nan"),) * 2
+    return share_of(is_right[is_there], distance[is_there]), contrast_of(is_right.astype(float), is_there, distance)
 
 
 def _variations(results: Results) -> dict[str, dict[str, Any]]:
@@ -115,8 +187,17 @@ def summarise(results: Results) -> Table:
             "compass_precision": 100.0 * found.compass[0],
             "compass_precision_error": 100.0 * found.compass[1],
         }
+        | _percent(found.on_stretches, "on_stretches")
+        | _percent(found.less_elsewhere, "on_stretches_less_elsewhere")
         for name, found in _found(results).items()
     ]
+
+
+def _percent(shares: Mapping[str, tuple[float, float]], what: str) -> dict[str, float]:
+    """Columns of shares and of their standard errors, in percent."""
+    return {f"{key}_{what}": 100.0 * share for key, (share, _) in shares.items()} | {
+        f"{key}_{what}_error": 100.0 * error for key, (_, error) in shares.items()
+    }
 
 
 def draw(results: Results) -> Figure:
@@ -137,7 +218,7 @@ def draw(results: Results) -> Figure:
             colour = COLOURS["blue"] if k == 0 else COLOURS["grey"]
             axes.errorbar(row[column], k, xerr=row[f"{column}_error"], fmt="o", color=colour, markersize=3, lw=0.8)
         axes.axvline(rows[0][column], color=COLOURS["blue"], linewidth=0.5, linestyle=":")
-        axes.set(xlabel="%")
+        axes.set(xlabel="recall (%)" if "recall" in title else "precision (%)")
         name_panel(axes, letter, title)
     panels[0].set_yticks(range(len(rows)), [row["variation"] for row in rows])
     panels[0].invert_yaxis()
@@ -157,24 +238,32 @@ def caption(results: Results) -> str:
 
 
 def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdict]:
-    """What the text says of foliage and of weather."""
+    """What the text says of foliage, of trees over the way and of weather."""
     rows = {row["variation"]: row for row in table}
-    as_set = rows["as set"]
-    missing = "there is no such variation in the quick grid"
-    others = {
-        "precision, bare trees on both days less as set, UV": ("bare trees on both days", "uv_precision"),
-        "precision, one weather less as set, UV": ("one weather and sun", "uv_precision"),
-        "precision, one weather less as set, visible": ("one weather and sun", "visible_precision"),
-    }
+    ours = {name: _ours(rows, *wanted) for name, wanted in WANTED.items()} | dict.fromkeys(UNTESTED)
     why = "a rendered city. UV and visible precision of SeqSLAM, of the UV compass: " + "; ".join(
         f"{name} {row['uv_precision']:.1f}, {row['visible_precision']:.1f}, {row['compass_precision']:.1f} %"
         for name, row in rows.items()
     )
+    missing = "there is no such variation in the quick grid"
     verdicts = []
     for value in published.values():
-        name, column = others[value.quantity]
-        if name not in rows:
-            verdicts.append(judge(value, float("nan"), not_comparable=missing))
-            continue
-        verdicts.append(judge(value, *surplus(rows[name], as_set, column), why=why))
+        number = ours[value.quantity]
+        if number is None:
+            reason = UNTESTED.get(value.quantity, missing)
+            verdicts.append(judge(value, float("nan"), not_comparable=reason))
+        else:
+            verdicts.append(judge(value, *number, why=why))
     return verdicts
+
+
+def _ours(
+    rows: Mapping[str, Mapping[str, Any]], name: str, column: str, less: str, less_column: str
+) -> tuple[float, float] | None:
+    """A number of one variation, less one of another if that is named; none if either is not there."""
+    if name not in rows or (less and less not in rows):
+        return None
+    if not less:
+        return with_error(rows[name], column)
+    (one, error), (two, other) = with_error(rows[name], column), with_error(rows[less], less_column)
+    return one - two, float(np.hypot(error, other))

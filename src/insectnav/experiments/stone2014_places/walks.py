@@ -48,6 +48,11 @@ class Walk:
         """Skies of 90 × 90 bits, (frame, bit)."""
         return np.unpackbits(self["binary_sky"], axis=1, count=SKY_SIZE**2).astype(bool)
 
+    def mirror_sky(self, frame: int) -> Bools:
+        """The sky of one frame as the mirror shows it, (size, size): all of it, where it is."""
+        size = self.mirror_size
+        return np.unpackbits(self["mirror_sky"][frame], count=size**2).reshape(size, size).astype(bool)
+
     def mirror_skies(self, frames: Any, *, centred: bool = True, reduction: int = 1) -> Bools:
         """Skies as the mirror shows them, (frame, size, size): the region about its middle, perhaps shifted to it."""
         size = self.mirror_size

@@ -35,6 +35,8 @@ DAYLIGHT = Sky(sun_azimuth=0.0, sun_elevation=float(np.deg2rad(45.0)))  # that w
 # Well and noise are those of `Sensor`; pictures are encoded for a screen, as video is.
 SENSOR = Sensor(saturation_radiance=1.0, black_level=0.0, response="srgb")
 LENS = LensFlare()
+# "the watershed method described in chapter 3" (section 4.4.3), in the reading that the walk of chapter 3 settled
+WATERSHED = "watershed-islands"
 N_BANDS = 120  # of spherical harmonics, section IV-B
 FRAMES_AT_ONCE = 16
 
@@ -77,7 +79,9 @@ class Recorded:
 
     visible: NDArray[np.uint8]  # (frame, rows, columns, 3)
     uv: NDArray[np.uint8]
+    plain_uv: NDArray[np.uint8]  # without lens flare, with the same noise
     sky: NDArray[np.bool_]
+    is_sunlit: NDArray[np.bool_]  # (frame,) whether the sun shines on the lens
 
     @property
     def grey(self) -> NDArray[np.uint8]:
@@ -122,13 +126,15 @@ def _record(section: Section, chosen: NDArray[np.int64], seed: int) -> Recorded:
     sun = np.asarray(world.sky.sun, np.float64)
     # Not by `render`, which looks long for a solid about each eye that sees no sky, as these do in the shade.
     met, _ = cast_rays(world.shape, pose[0], np.broadcast_to(sun, (len(chosen), 1, 3)))
+    is_sunlit = met[:, 0] == SKY
+    plain = np.stack([layers[band] for band in bands], axis=-1).astype(np.float64)
     light = add_lens_flare(
-        np.stack([layers[band] for band in bands], axis=-1).astype(np.float64),
+        plain,
         camera,
         to_eye(np.broadcast_to(sun, (len(chosen), 3)), rotation_matrix(*pose[1:])),
         world.sky.sun_irradiance(bands),
         LENS,
-        visible_share=(met[:, 0] == SKY).astype(np.float64),
+        visible_share=is_sunlit.astype(np.float64),
         sun_diameter=world.sky.sun_diameter,
         has_bands=True,
     )
@@ -137,7 +143,9 @@ def _record(section: Section, chosen: NDArray[np.int64], seed: int) -> Recorded:
     return Recorded(
         visible=_exposed(visible, visible.mean(axis=-1), camera, seed, "visible", first),
         uv=_exposed(light[..., 0], light[..., 0], camera, seed, "uv", first),
+        plain_uv=_exposed(plain[..., 0], plain[..., 0], camera, seed, "uv", first),
         sky=layers["sky"] >= 0.5,
+        is_sunlit=is_sunlit,
     )
 
 
@@ -152,12 +160,12 @@ def _exposed(light: Any, metered: Any, camera: Camera, seed: int, channel: str, 
     )  # fmt: skip
 
 
-def sky_masks(uv: NDArray[np.uint8], camera: Camera) -> NDArray[np.bool_]:
+def sky_masks(uv: NDArray[np.uint8], camera: Camera, method: str = "otsu") -> NDArray[np.bool_]:
     """Masks of the sky, (frame, rows, columns): Otsu's threshold on the mean of the channels, section III-A.
 
     A rendered camera for ultraviolet has one channel.
     """
-    return np.stack([segment(picture, "otsu", channels="mean", camera=camera).mask for picture in uv])
+    return np.stack([segment(picture, method, channels="mean", camera=camera).mask for picture in uv])
 
 
 def keep(section: Section, seed: int, *, with_pictures: bool) -> Arrays:
@@ -193,6 +201,20 @@ def keep(section: Section, seed: int, *, with_pictures: bool) -> Arrays:
     }
     if with_pictures:
         arrays["pictures"] = (("frame", "row", "column"), grey)
+        arrays |= _otherwise(recorded, section.size)
+    return arrays
+
+
+def _otherwise(recorded: Recorded, size: int) -> dict[str, Any]:
+    """Amplitudes of the sky without lens flare and by a watershed, how right both masks are, where the sun shone in."""
+    camera, seen = camera_of(size), camera_of(size).pixels_seen()
+    arrays: dict[str, Any] = {"is_sunlit": (("frame",), recorded.is_sunlit)}
+    for name, uv, method in (("plain", recorded.plain_uv, "otsu"), ("watershed", recorded.uv, WATERSHED)):
+        masks = sky_masks(uv, camera, method)
+        rings = sky_sampler(size, "rings")(masks, unseen=0.0)
+        right = (masks == recorded.sky)[:, seen].mean(axis=1)
+        arrays[f"{name}_amplitudes"] = (("frame", "band"), _amplitudes(rings, sky_grid()))
+        arrays[f"{name}_accuracy"] = (("frame",), 100.0 * right, {"units": "percent"})
     return arrays
 
 

@@ -36,6 +36,7 @@ BLOCK = 20  # [frame] that the bootstrap draws together: neighbours are right or
 N_DRAWN = 200
 VANILLA, SKY, ROTATION, FABMAP = "SeqSLAM (vanilla)", "SeqSLAM (sky)", "rotation matching", "FAB-MAP"
 POINTS, TRUE, NEUTRAL = f"{SKY}, 2000 points", f"{SKY}, exact masks", f"{VANILLA}, flat patches neutral"
+PLAIN, WATERSHED = f"{SKY}, no lens flare", f"{SKY}, watershed"
 SKY_WHOLE, ROTATION_LOCAL = f"{SKY}, contrast over all references", f"{ROTATION}, contrast of neighbours"
 SINGLE = f"{ROTATION}, single frames"
 Arrays = Mapping[str, NDArray[Any]]
@@ -84,11 +85,15 @@ class Recognised:
 
     def _samples(self) -> list[tuple[NDArray[np.bool_], Floats]]:
         """Queries drawn in blocks, with replacement."""
-        n, rng = len(self.score), np.random.Generator(np.random.PCG64(0))
-        starts = rng.integers(0, max(n - BLOCK, 0) + 1, (N_DRAWN, -(-n // BLOCK)))
-        chosen = np.minimum((starts[..., None] + np.arange(BLOCK)).reshape(N_DRAWN, -1)[:, :n], n - 1)
-        usable = [some for some in chosen if np.isfinite(self.score[some]).any()]
+        usable = [some for some in drawn_blocks(len(self.score)) if np.isfinite(self.score[some]).any()]
         return [(self.is_right[some], self.score[some]) for some in usable]
+
+
+def drawn_blocks(n: int) -> NDArray[np.int64]:
+    """Frames of a passage of `n` drawn anew in blocks of neighbours, with replacement, (draw, frame)."""
+    rng = np.random.Generator(np.random.PCG64(0))
+    starts = rng.integers(0, max(n - BLOCK, 0) + 1, (N_DRAWN, -(-n // BLOCK)))
+    return np.asarray(np.minimum((starts[..., None] + np.arange(BLOCK)).reshape(N_DRAWN, -1)[:, :n], n - 1))
 
 
 def _measures(is_right: NDArray[np.bool_], score: Floats) -> tuple[float, float, float]:
@@ -99,9 +104,12 @@ def _measures(is_right: NDArray[np.bool_], score: Floats) -> tuple[float, float,
 
 
 @lru_cache(maxsize=16)
-def passage_arrays(results: Results, passage: int) -> Arrays:
-    """All frames of a passage through the site of the first cell, (frame, ...) arrays by name; they are kept."""
-    site = results.cells[0].site
+def passage_arrays(results: Results, passage: int, site: str = "") -> Arrays:
+    """All frames of a passage through a site, that of the first cell if none is named; (frame, ...) arrays by name.
+
+    They are kept.
+    """
+    site = site or results.cells[0].site
     chosen = results.where(site=site, site_seed=SITE_SEEDS[site], passage=passage)
     order = sorted(chosen.tolist(), key=lambda k: results.cells[k].first)
     return {
@@ -111,10 +119,13 @@ def passage_arrays(results: Results, passage: int) -> Arrays:
     }
 
 
-def passage_pair(results: Results, numbers: tuple[int, int], n_frames: int | None = None) -> tuple[Arrays, Arrays]:
+def passage_pair(
+    results: Results, numbers: tuple[int, int], n_frames: int | None = None, site: str = ""
+) -> tuple[Arrays, Arrays]:
     """Reference and query, of each the first `n_frames`."""
     reference, query = (
-        {name: values[:n_frames] for name, values in passage_arrays(results, number).items()} for number in numbers
+        {name: values[:n_frames] for name, values in passage_arrays(results, number, site).items()}
+        for number in numbers
     )
     return reference, query
 
@@ -133,8 +144,11 @@ def varied(results: Results, pairs: Mapping[str, tuple[int, int]], n_frames: int
 
 def differences(reference: Arrays, query: Arrays, method: str) -> Floats:
     """Matrix (reference, query) of a method that compares frames by a distance; sums of absolute ones, as published."""
-    name = {VANILLA: "patches", NEUTRAL: "patches", SKY: "amplitudes", POINTS: "point_amplitudes"}
-    chosen = name.get(method, "true_amplitudes")
+    names = {
+        VANILLA: "patches", NEUTRAL: "patches", SKY: "amplitudes", POINTS: "point_amplitudes",
+        TRUE: "true_amplitudes", PLAIN: "plain_amplitudes", WATERSHED: "watershed_amplitudes",
+    }  # fmt: skip
+    chosen = names[method]
     one, other = (arrays[chosen] for arrays in (reference, query))
     if method == NEUTRAL:
         one, other = neutral_patches(one), neutral_patches(other)
