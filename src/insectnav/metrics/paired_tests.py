@@ -8,9 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from insectnav.checks import InputError, check_finite, check_shape
 
 Reals = NDArray[np.floating[Any]]
-MAX_EXACT_PAIRS = (
-    50  # all 2⁵⁰ choices of signs are still counted as whole numbers; beyond, the normal distribution does
-)
+MAX_EXACT_PAIRS = 50  # all 2⁵⁰ choices of signs are still counted as whole numbers; beyond, the normal will do
 
 
 class RankTest(NamedTuple):
