@@ -7,20 +7,22 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insectnav.experiments.experiment import Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge, surplus
+from insectnav.experiments.published import Published, Verdict, judge, with_error
 from insectnav.experiments.stone2014_places import fig_4ab
 from insectnav.experiments.stone2014_places.route_pairs import (
     TOLERANCE,
     Run,
     contrast_of,
+    less_of,
     pooled,
     route_pairs,
     share_of,
 )
-from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS, UV, VISIBLE, Way
+from insectnav.experiments.stone2014_places.sequence_ways import CONTOUR, DESCRIPTORS, UV, VISIBLE, ZERNIKE, Way
 from insectnav.experiments.stone2014_places.walks import Walk, both_walks, whole_or_why_not
 
 if TYPE_CHECKING:
@@ -53,10 +55,12 @@ def _all_runs(results: Results) -> dict[str, dict[str, list[Run]]]:
 
 def summarise(results: Results) -> Table:
     """A row for each descriptor and for each way of carrying the rig."""
-    walks = both_walks(results)
+    walks, found = both_walks(results), _all_runs(results)
     return [
-        {"descriptor": name, "rig": rig, "kind": "rendered"} | _row(runs, walks, way)
-        for way, (name, of_rigs) in zip(DESCRIPTORS, _all_runs(results).items(), strict=True)
+        {"descriptor": name, "rig": rig, "kind": "rendered"}
+        | _row(runs, walks, way)
+        | _less(runs, walks, {"binary_sky": found[UV.name][rig], "contour": found[CONTOUR.name][rig]})
+        for way, (name, of_rigs) in zip(DESCRIPTORS, found.items(), strict=True)
         for rig, runs in of_rigs.items()
     ]
 
@@ -65,8 +69,7 @@ def _row(runs: Sequence[Run], walks: Mapping[str, Walk], way: Way) -> dict[str, 
     score = pooled(runs)
     is_matched = np.concatenate([run.is_matched for run in runs])
     is_right = np.concatenate([run.is_right() for run in runs])[is_matched]
-    trees = np.concatenate([walks[run.pair.query_day]["tree_share"][run.queries] for run in runs])[is_matched]
-    is_under = trees > UNDER_TREES
+    is_under = _is_under(runs, walks)[is_matched]
     distance = np.concatenate([run.distance for run in runs])[is_matched]
     less, error = contrast_of(is_right.astype(np.float64), is_under, distance)
     under, elsewhere = (
@@ -91,6 +94,23 @@ def _row(runs: Sequence[Run], walks: Mapping[str, Walk], way: Way) -> dict[str, 
         "under_trees_error": 100.0 * error,
         "matches_under_trees": int(is_under.sum()),
     }
+
+
+def _is_under(runs: Sequence[Run], walks: Mapping[str, Walk]) -> NDArray[np.bool_]:
+    """Which queries of all runs are under trees."""
+    trees = [walks[run.pair.query_day]["tree_share"][run.queries] for run in runs]
+    return np.asarray(np.concatenate(trees) > UNDER_TREES)
+
+
+def _less(runs: Sequence[Run], walks: Mapping[str, Walk], others: Mapping[str, Sequence[Run]]) -> dict[str, float]:
+    """Precision less that of others on the same frames, everywhere and under trees [%]."""
+    row: dict[str, float] = {}
+    is_under = _is_under(runs, walks)
+    for name, of_other in others.items():
+        for what, chosen in (("precision", None), ("precision_under_trees", is_under)):
+            less, error = less_of(runs, of_other, chosen)
+            row |= {f"{what}_less_{name}": 100.0 * less, f"{what}_less_{name}_error": 100.0 * error}
+    return row
 
 
 def draw(results: Results) -> Figure:
@@ -141,11 +161,13 @@ def caption(results: Results) -> str:
 def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdict]:
     """What section 4.1 of the thesis says of contours and Zernike moments, in words."""
     rows = {row["descriptor"]: row for row in table if row["rig"] == "as carried"}
-    contour, zernike, sky = rows["UV, Fourier contour"], rows["UV, Zernike"], rows[UV.name]
+    contour, zernike, sky = rows[CONTOUR.name], rows[ZERNIKE.name], rows[UV.name]
     ours = {
-        "precision, Zernike less Fourier contour": _less(zernike, contour),
-        "precision, Zernike less binary sky": _less(zernike, sky),
-        "precision under trees, visible less UV, binary sky": surplus(rows[VISIBLE.name], sky, "precision_under_trees"),
+        "precision, Zernike less Fourier contour": with_error(zernike, "precision_less_contour"),
+        "precision, Zernike less binary sky": with_error(zernike, "precision_less_binary_sky"),
+        "precision under trees, visible less UV, binary sky": with_error(
+            rows[VISIBLE.name], "precision_under_trees_less_binary_sky"
+        ),
         "precision under trees less elsewhere, Fourier contour": (
             contour["under_trees_less_elsewhere"],
             contour["under_trees_error"],
@@ -161,8 +183,3 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
         judge(value, *ours[value.quantity], why=why, not_comparable=UNTESTED.get(value.quantity, part))
         for value in published.values()
     ]
-
-
-def _less(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, float]:
-    error = float(np.hypot(one["precision_error"], other["precision_error"]))
-    return one["precision_at_full_recall"] - other["precision_at_full_recall"], error

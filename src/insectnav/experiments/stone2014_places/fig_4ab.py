@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge
+from insectnav.experiments.published import Published, Verdict, judge, with_error
 from insectnav.experiments.stone2014_places.route_pairs import (
     TOLERANCE,
     TOLERANCES,
@@ -20,6 +20,7 @@ from insectnav.experiments.stone2014_places.route_pairs import (
     Score,
     begins_at_first,
     contrast_of,
+    less_of,
     pooled,
     route_pairs,
 )
@@ -77,12 +78,15 @@ def _scores(results: Results) -> dict[str, Score]:
 
 def summarise(results: Results) -> Table:
     """A row for each way and set of runs."""
-    walks = both_walks(results)
+    walks, runs_of_uv = both_walks(results), _all_runs(results)[UV.name]
     rows = []
     for way in WAYS:
         runs = _all_runs(results)[way.name]
         for which, chosen in (("all", runs), ("reference from the first frame", _of_first(runs))):
             rows.append({"way": way.name, "runs": which, "kind": "rendered"} | _row(chosen, walks))
+            of_uv = runs_of_uv if which == "all" else _of_first(runs_of_uv)
+            less, error = less_of(chosen, of_uv)
+            rows[-1] |= {"precision_less_uv": 100.0 * less, "precision_less_uv_error": 100.0 * error}
     return rows
 
 
@@ -239,9 +243,11 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
         "recall at 100 % precision, UV": (uv["recall_at_full_precision"], uv["recall_error"]),
         "precision at 100 % recall, UV": _precision(uv),
         "precision at 100 % recall, visible": _precision(visible),
-        "precision at 100 % recall, visible less UV": _more(visible, uv),
-        "precision at 100 % recall, majority of three frames less one, UV": _more(rows[MAJORITY.name], uv),
-        "precision at 100 % recall, visible with the sky masked out less UV": _more(masked, uv),
+        "precision at 100 % recall, visible less UV": with_error(visible, "precision_less_uv"),
+        "precision at 100 % recall, majority of three frames less one, UV": with_error(
+            rows[MAJORITY.name], "precision_less_uv"
+        ),
+        "precision at 100 % recall, visible with the sky masked out less UV": with_error(masked, "precision_less_uv"),
         "trees above the horizon, wrong less right matches, UV": _at_wrong(uv, "tree_share"),
         "sky above the horizon, wrong less right matches, UV": _at_wrong(uv, "sky_share"),
         "sky above the horizon, wrong less right matches, visible": _at_wrong(visible, "sky_share"),
@@ -256,11 +262,6 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
 
 def _precision(row: Mapping[str, Any]) -> tuple[float, float]:
     return row["precision_at_full_recall"], row["precision_error"]
-
-
-def _more(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[float, float]:
-    error = float(np.hypot(one["precision_error"], other["precision_error"]))
-    return one["precision_at_full_recall"] - other["precision_at_full_recall"], error
 
 
 def _at_wrong(row: Mapping[str, Any], name: str) -> tuple[float, float]:

@@ -154,6 +154,34 @@ def share_of(is_right: NDArray[np.bool_], distance: NDArray[np.float64]) -> tupl
     return float(is_right.mean()), float(np.std(drawn, ddof=1))
 
 
+def less_of(runs: Sequence[Run], others: Sequence[Run], chosen: NDArray[np.bool_] | None = None) -> tuple[float, float]:
+    """Precision of all matches less that of other runs of the same queries, and its standard error.
+
+    The same stretches are drawn for both: one where both fail says nothing of their difference. Of the chosen queries
+    if some are given, (query,) of all runs; NaN where either has no match among them.
+    """
+    distance = np.concatenate([run.distance for run in runs])
+    if len(distance) != sum(len(run.distance) for run in others):
+        raise ValueError("runs are compared with runs of other queries")
+    right, other_right = (np.concatenate([run.is_right() for run in each]).astype(float) for each in (runs, others))
+    kept, other_kept = (np.concatenate([run.is_matched for run in each]) for each in (runs, others))
+    if chosen is not None:
+        kept, other_kept = kept & chosen, other_kept & chosen
+    if not (kept.any() and other_kept.any()):
+        return float("nan"), float("nan")
+    some = kept | other_kept
+    drawn = []
+    for counts in draws_of(np.floor(distance[some] / STRETCH).astype(int)):
+        weights = [counts * kept[some], counts * other_kept[some]]
+        if all(weight.any() for weight in weights):
+            one, other = (
+                np.average(values[some], weights=weight)
+                for values, weight in zip((right, other_right), weights, strict=True)
+            )
+            drawn.append(one - other)
+    return float(right[kept].mean() - other_right[other_kept].mean()), float(np.std(drawn, ddof=1))
+
+
 def contrast_of(values: NDArray[Any], chosen: NDArray[np.bool_], distance: NDArray[np.float64]) -> tuple[float, float]:
     """Mean of the chosen values less that of the others, and its standard error, by stretches as in `pooled`.
 

@@ -125,10 +125,12 @@ OTHERS = (
     ),
     *MASKED,
 )
+CONTOUR = Way(name="UV, Fourier contour", features=_kept("contour"), metric="euclidean")
+ZERNIKE = Way(name="UV, Zernike", features=_kept("zernike"), metric="euclidean")
 DESCRIPTORS = (
     UV,
-    Way(name="UV, Fourier contour", features=_kept("contour"), metric="euclidean"),
-    Way(name="UV, Zernike", features=_kept("zernike"), metric="euclidean"),
+    CONTOUR,
+    ZERNIKE,
     Way(name="UV, spherical harmonics", features=_kept("harmonics"), metric="euclidean"),
     VISIBLE,
 )

@@ -20,11 +20,12 @@ from insectnav.experiments.stone2014_places.route_pairs import (
     Run,
     Score,
     contrast_of,
+    less_of,
     pooled,
     route_pairs,
     share_of,
 )
-from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS, UV, VISIBLE
+from insectnav.experiments.stone2014_places.sequence_ways import DESCRIPTORS
 from insectnav.experiments.stone2014_places.street_trees import CROWNS
 from insectnav.experiments.stone2014_places.walk import DAYS, VARIATIONS
 from insectnav.experiments.stone2014_places.walk_frames import Section, section_arrays, sections
@@ -48,28 +49,20 @@ UNTESTED = {
         "by construction: the rig is carried 2 m high on level ground, the tallest built person has 1.8 m, cars 1.5 m"
     ),
 }
-# By quantity: a variation and a column of the table, and those of what is taken off.
+# By quantity: a variation and a column of the table.
 WANTED = {
     "precision, bare trees on both days less as set, UV": (
-        "bare trees on both days", "uv_precision", AS_SET, "uv_precision",
+        "bare trees on both days", "uv_precision_less_as_set",
     ),
-    "precision, one weather less as set, UV": ("one weather and sun", "uv_precision", AS_SET, "uv_precision"),
-    "precision, one weather less as set, visible": (
-        "one weather and sun", "visible_precision", AS_SET, "visible_precision",
-    ),
+    "precision, one weather less as set, UV": ("one weather and sun", "uv_precision_less_as_set"),
+    "precision, one weather less as set, visible": ("one weather and sun", "visible_precision_less_as_set"),
     "precision there with crowns over the way less without trees, UV": (
-        UNDER_CROWNS, "uv_on_stretches", NO_TREES, "uv_on_stretches",
+        UNDER_CROWNS, "uv_on_stretches_less_without_trees",
     ),
-    "precision under crowns less elsewhere, UV": (UNDER_CROWNS, "uv_on_stretches_less_elsewhere", "", ""),
-    "precision under crowns, visible less UV": (
-        UNDER_CROWNS, "visible_on_stretches", UNDER_CROWNS, "uv_on_stretches",
-    ),
-    "precision under crowns less elsewhere, Fourier contour": (
-        UNDER_CROWNS, "contour_on_stretches_less_elsewhere", "", "",
-    ),
-    "precision under crowns, Zernike less Fourier contour": (
-        UNDER_CROWNS, "zernike_on_stretches", UNDER_CROWNS, "contour_on_stretches",
-    ),
+    "precision under crowns less elsewhere, UV": (UNDER_CROWNS, "uv_on_stretches_less_elsewhere"),
+    "precision under crowns, visible less UV": (UNDER_CROWNS, "visible_on_stretches_less_uv"),
+    "precision under crowns less elsewhere, Fourier contour": (UNDER_CROWNS, "contour_on_stretches_less_elsewhere"),
+    "precision under crowns, Zernike less Fourier contour": (UNDER_CROWNS, "zernike_on_stretches_less_contour"),
 }  # fmt: skip
 COLUMNS = ("uv_recall", "uv_precision", "visible_precision", "compass_precision")
 
@@ -102,8 +95,12 @@ class _Found:
     """What came out under a variation.
 
     Scores of SeqSLAM, UV and visible; on the stretches of `CROWNS`, precision and precision less that elsewhere of each
-    of `KEYS`; precision of the compass on skies of bits; each with its standard error.
+    of `KEYS`; precision of the compass on skies of bits; each with its standard error. Runs by `KEYS`, and which of
+    their queries are on these stretches.
     """
+
+    runs: Mapping[str, Sequence[Run]]
+    is_there: NDArray[np.bool_]
 
     uv: Score
     visible: Score
@@ -120,8 +117,8 @@ def _found(results: Results) -> dict[str, _Found]:
     for name, wanted in _variations(results).items():
         walks = both_walks(results, **wanted)
         pairs = route_pairs(tuple(walks), EVERY)
-        runs = {way.name: way.runs(walks, pairs) for way in DESCRIPTORS}
-        there = {KEYS[way]: _on_stretches(of_way, walks) for way, of_way in runs.items()}
+        runs = {KEYS[way.name]: way.runs(walks, pairs) for way in DESCRIPTORS}
+        there = {key: _on_stretches(of_way, walks) for key, of_way in runs.items()}
         right, distance = [], []
         for reference, query in both_directions(walks):
             queries = queries_of(query)
@@ -132,8 +129,10 @@ def _found(results: Results) -> dict[str, _Found]:
         compass = share_of(np.concatenate(right), np.concatenate(distance))
         pixels = float(np.mean([walk["right_pixels"].mean() for walk in walks.values()]))
         found[name] = _Found(
-            uv=pooled(runs[UV.name]),
-            visible=pooled(runs[VISIBLE.name]),
+            runs=runs,
+            is_there=np.concatenate([_is_there(run, walks) for run in runs["uv"]]),
+            uv=pooled(runs["uv"]),
+            visible=pooled(runs["visible"]),
             on_stretches={key: share for key, (share, _) in there.items()},
             less_elsewhere={key: less for key, (_, less) in there.items()},
             compass=compass,
@@ -172,6 +171,7 @@ def _variations(results: Results) -> dict[str, dict[str, Any]]:
 
 def summarise(results: Results) -> Table:
     """A row for each variation."""
+    every = _found(results)
     return [
         {
             "variation": name,
@@ -189,8 +189,24 @@ def summarise(results: Results) -> Table:
         }
         | _percent(found.on_stretches, "on_stretches")
         | _percent(found.less_elsewhere, "on_stretches_less_elsewhere")
-        for name, found in _found(results).items()
+        | _less(found, every)
+        for name, found in every.items()
     ]
+
+
+def _less(found: _Found, every: Mapping[str, _Found]) -> dict[str, float]:
+    """Precision less that of the same frames as set, without trees, and by others under the same variation [%]."""
+    runs, there = found.runs, found.is_there
+    row = {f"{key}_precision_less_as_set": less_of(runs[key], every[AS_SET].runs[key]) for key in ("uv", "visible")} | {
+        "visible_on_stretches_less_uv": less_of(runs["visible"], runs["uv"], there),
+        "zernike_on_stretches_less_contour": less_of(runs["zernike"], runs["contour"], there),
+    }
+    if NO_TREES in every:
+        without = every[NO_TREES].runs
+        row |= {f"{key}_on_stretches_less_without_trees": less_of(runs[key], without[key], there) for key in runs}
+    return {name: 100.0 * less for name, (less, _) in row.items()} | {
+        f"{name}_error": 100.0 * error for name, (_, error) in row.items()
+    }
 
 
 def _percent(shares: Mapping[str, tuple[float, float]], what: str) -> dict[str, float]:
@@ -257,13 +273,6 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
     return verdicts
 
 
-def _ours(
-    rows: Mapping[str, Mapping[str, Any]], name: str, column: str, less: str, less_column: str
-) -> tuple[float, float] | None:
-    """A number of one variation, less one of another if that is named; none if either is not there."""
-    if name not in rows or (less and less not in rows):
-        return None
-    if not less:
-        return with_error(rows[name], column)
-    (one, error), (two, other) = with_error(rows[name], column), with_error(rows[less], less_column)
-    return one - two, float(np.hypot(error, other))
+def _ours(rows: Mapping[str, Mapping[str, Any]], name: str, column: str) -> tuple[float, float] | None:
+    """A number of a variation; none if that is not there, or what it is less than."""
+    return with_error(rows[name], column) if name in rows and column in rows[name] else None
