@@ -112,9 +112,7 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
     numbers = np.arange(source.total) * source.step
     times = _times(source, where, numbers)
     if is_own:
-        if (
-            table is not None and source.total
-        ):  # refused at once, by times at an even rate, where clocks are not the same
+        if table is not None and source.total:  # other clocks are refused at once, by times at an even rate
             positions_of_frames(table, times=times, max_gap_s=where.max_gap_s)
         return _by_own_times(source, where, table)
     return _by_given_times(source, where, table, times, numbers)
