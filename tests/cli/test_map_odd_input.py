@@ -72,6 +72,15 @@ def test_truth_by_names_of_files_and_what_is_said_of_places_that_nothing_was_mat
     assert judged["numbers"] == found["numbers"]
 
 
+@pytest.mark.parametrize("option", ["--truth", "--key-frames"])
+@pytest.mark.parametrize("place", ["10000001", "1000000000000000", "1" + 30 * "0"])
+def test_a_truth_far_beyond_any_map_is_refused(run, walk: Path, option: str, place: str):
+    (walk / "m.csv").write_text(MATCHES + "0,a,0,p,0,0.1,1\n1,b,1,q,0,0.2,1\n")
+    (walk / "true.csv").write_text(f"query,reference\n0,0\n1,{place}\n")
+    words = "the truth names a place beyond 10000000, expected numbers of places of a map"
+    assert_refused(run("map", "evaluate", "m.csv", option, "true.csv"), words)
+
+
 def test_matches_without_a_true_place_are_not_left_out_of_errors_unsaid(run, walk: Path):
     write_pictures(walk / "one", views()[:1])
     assert run("map", "build", "one", "m").code == 0

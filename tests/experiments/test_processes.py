@@ -37,6 +37,19 @@ if __name__ == "__main__":
         print(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))
 """
 
+LEFT = """
+import os, signal, threading, time
+from insectnav.experiments.executors import executor
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with executor(2) as on:
+            futures = [on.submit(time.sleep, 3000.0) for _ in range(3)]
+            threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+    except KeyboardInterrupt:
+        print("interrupted", [future.done() for future in futures])
+"""
+
 
 def identity(number: int) -> tuple[int, int]:
     return number, os.getpid()
@@ -239,6 +252,12 @@ def test_interrupts_of_the_keyboard_do_not_reach_the_first_process_even_while_it
     """As the first, it comes with the process that keeps account of semaphores."""
     done = run_script(tmp_path, MASKED)
     assert (done.returncode, done.stdout.split(), done.stderr) == (0, ["True", "False"], "")
+
+
+@NEEDS_POSIX
+def test_interrupt_while_the_end_of_what_is_running_is_waited_for_ends_it(tmp_path: Path):
+    done = run_script(tmp_path, LEFT)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted [True, True, True]\n", "")
 
 
 def test_program_that_would_run_itself_in_each_process_ends_and_says_why(tmp_path: Path):

@@ -151,6 +151,15 @@ def test_processes_that_compile_at_once_do_not_take_each_others_code(tmp_path: P
     assert sum(read.stats.cache_hits.values()) == 1
 
 
+def test_kernel_is_plain_python_where_the_compiler_is_turned_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba.config, "DISABLE_JIT", True)  # as NUMBA_DISABLE_JIT=1 does, to look into a kernel
+
+    def double(x):
+        return 2 * x
+
+    assert compiled.kernel(double) is double
+
+
 def test_setting_of_numba_is_put_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(numba.config, "CACHE_DIR", "somebody's")
     monkeypatch.setattr(compiled, "CACHE_FOLDER", str(tmp_path))

@@ -21,7 +21,12 @@ from insectnav.matching import (
     seqslam,
 )
 from insectnav.matching.place_arrays import new_places
-from insectnav.matching.place_exact_search import landscape_of, lines_of_pieces, matches_of_lines
+from insectnav.matching.place_exact_search import (
+    landscape_of,
+    lines_of_pieces,
+    matches_of_differences,
+    matches_of_lines,
+)
 from insectnav.matching.place_pieces import join_pieces, map_pieces
 
 RNG = np.random.default_rng(0)
@@ -94,6 +99,23 @@ def test_lines_and_windows_do_not_reach_across_a_seam(tmp_path):
     np.testing.assert_allclose(found.score[2:-2], score, rtol=1e-12)
     starts = found.reference[2:-2] - 2
     assert_array_equal(routes[starts + np.rint(4 * found.speed[2:-2]).astype(int)], routes[starts])
+
+
+@pytest.mark.parametrize("params", [SeqSlamParams(sequence_length=4), OPENSEQSLAM_V1])
+def test_differences_that_are_known_are_matched_as_on_the_routes_of_a_map(tmp_path, params):
+    """With one baseline for all routes, also where it is the least contrast that was observed."""
+    route, queries = ROUTE[:150].copy(), QUERIES.copy()
+    route[[20, 90]], queries[[3, 22]] = np.nan, np.nan
+    made = PlaceMap.create(tmp_path / "map", ABOUT)
+    for k, part in enumerate(np.split(route, [60, 100])):
+        made.add(part + 5.0 * k, new_route=True)
+    difference = difference_matrix(np.asarray(made.descriptors, float), queries, "euclidean")
+    found = made.locate(queries, params)
+    for workers in (1, 2):
+        known = matches_of_differences(difference, np.asarray(made.routes), params, workers)
+        assert_array_equal(known.reference, found.reference)
+        np.testing.assert_allclose(known.score, found.score, rtol=1e-9)
+    assert len(np.unique(np.asarray(made.routes)[found.reference[found.reference >= 0]])) > 1
 
 
 @settings(max_examples=40, deadline=None)

@@ -38,6 +38,7 @@ def program() -> None:
     for library, level in (("OPENCV_LOG_LEVEL", "ERROR"), ("OPENCV_FFMPEG_LOGLEVEL", "-8")):
         os.environ.setdefault(library, level)  # what is wrong with a film is told in one sentence, by this program
     gc.disable()
+    _open_what_is_closed()
     _end_by_signals()
     try:
         if sys.argv[1:2] == ["home"] and "--help" not in sys.argv:
@@ -51,6 +52,13 @@ def program() -> None:
         _leave(INTERRUPTED)
     except SystemExit as exit_:
         _leave(exit_.code if isinstance(exit_.code, int) else 1)
+
+
+def _open_what_is_closed() -> None:
+    """Give output and complaints that the shell has closed a place to vanish; else print takes one for the other."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (until the program ends)
 
 
 def _leave(code: int) -> NoReturn:

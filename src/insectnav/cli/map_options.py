@@ -33,7 +33,7 @@ WHERE: tuple[Option, ...] = (
     ("--clock", TEXT, "Of the recording of a robot: stamp, when a message was made, or bag, when it arrived", "stamp",
      None),
     ("--topic", TEXT, "Of the pictures in the recording of a robot", "the only one", None),
-)  # fmt: skip  # fmt: skip
+)  # fmt: skip
 THIN: tuple[Option, ...] = (
     ("--step", COUNT, "Take every so many frames", "1", None),
     ("--every-m", NUMBER, "Take frames so far from the one taken before [m]", "", None),

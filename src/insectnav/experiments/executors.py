@@ -93,8 +93,8 @@ def _processes(n_workers: int) -> Iterator[Executor]:
     pool = Processes(n_workers)
     try:
         yield pool
-    except BaseException:
-        pool.end()  # cells may take long: nobody waits for them
-        raise
-    finally:
         pool.close()
+    except BaseException:  # also of the keyboard, while the end is waited for
+        pool.end()  # cells may take long: nobody waits for them
+        pool.close()
+        raise

@@ -70,7 +70,8 @@ def _name_code_once(compiled: Any) -> None:
     and the list says from then on that one is the other. So one of them may be missing in the list, and is compiled
     again.
     """
-    files = getattr(compiled._cache, "_cache_file", None)  # none where no code is kept
+    kept = getattr(compiled, "_cache", None)  # none of plain Python, which NUMBA_DISABLE_JIT leaves
+    files = getattr(kept, "_cache_file", None)  # none where no code is kept
     if files is not None:
         files._data_name = lambda number: f"{compiled.py_func.__name__}.{uuid.uuid4().hex}.nbc"
 

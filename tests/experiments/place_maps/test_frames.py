@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import zarr
@@ -157,3 +158,44 @@ def test_recordings_on_another_clock_or_out_of_order_are_told_of(tmp_path: Path)
     given = placed(FrameSource(frames=frames, total=0, kind="bag"), Whereabouts())
     assert len(list(given.source.frames)) == 5
     assert [note.partition(" ahead")[0] for note in given.notes] == ["1 frame was taken before the one"]
+
+
+def matroska(path: Path) -> bytearray:
+    """A film of 30 frames, ten a second, whose number its file does not say but for how long it is."""
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (96, 48))
+    for picture in views()[:30]:
+        writer.write(np.dstack([picture] * 3))
+    writer.release()
+    return bytearray(path.read_bytes())
+
+
+def test_films_of_unknown_length_have_times_and_positions_all_the_same(tmp_path: Path):
+    film = matroska(path := tmp_path / "a.mkv")
+    duration = film.index(b"\x44\x89\x88")
+    film[duration : duration + 2] = b"\xec\x89"  # void, as in what browsers record
+    path.write_bytes(film)
+    (tmp_path / "where.csv").write_text("time_s,x_m,y_m\n" + "".join(f"{100 + k},{10 * k},0\n" for k in range(4)))
+    assert open_frames([path]).total == 0
+    assert_allclose(
+        [frame.time for frame in placed(open_frames([path]), Whereabouts()).source.frames], np.arange(30) / 10
+    )
+    where = Whereabouts(positions=str(tmp_path / "where.csv"), time_offset_s=100.0)
+    frames = list(placed(open_frames([path]), where).source.frames)
+    assert_allclose([frame.position[0] for frame in frames], np.arange(30))
+    (tmp_path / "where.csv").write_text("frame,x_m,y_m\n0,0,0\n")
+    with pytest.raises(InputError, match="whose number is known"):
+        placed(open_frames([path]), Whereabouts(positions=str(tmp_path / "where.csv")))
+
+
+def test_films_are_cut_short_where_their_times_are(tmp_path: Path):
+    """What says how long it is, and not of how many frames, is taken to have them at an even rate."""
+    film = matroska(path := tmp_path / "a.mkv")
+    rate = film.index(b"\x23\xe3\x83\x84") + 4
+    uneven = film[:rate] + (50_000_000).to_bytes(4, "big") + film[rate + 4 :]  # [ns] of a frame, where none is left out
+    for data, said, is_whole in ((film, 30, True), (uneven, 60, True), (film[: len(film) // 2], 30, False)):
+        path.write_bytes(data)
+        for step in (1, 7):
+            source = open_frames([path], step=step)
+            assert source.total == -(-said // step)
+            n_read = len(list(source.frames))
+            assert bool(source.remarks) is not is_whole, (said, step, n_read, source.remarks)

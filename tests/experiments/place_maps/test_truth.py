@@ -107,6 +107,14 @@ def test_pairs_give_one_place_on_a_route(tmp_path):
             read_pairs(path, *names, routes)
 
 
+@pytest.mark.parametrize(("line", "words"), [("0,-2", "names the place '-2'"), ("-1,2", "names the query '-1'")])
+def test_numbers_below_0_are_refused_but_for_the_one_that_says_nowhere(tmp_path, line: str, words: str):
+    path = tmp_path / "pairs.csv"
+    path.write_text(f"query,reference\n1,-1\n{line}\n")
+    with pytest.raises(InputError, match=rf"line 3 of .* {words}, expected a number from 0 or the name of one frame"):
+        read_pairs(path, ["a", "b"], ["c", "d", "e"], np.zeros(3, np.int64))
+
+
 def test_no_line_between_key_frames_leads_from_one_route_into_the_next():
     routes, keys = np.repeat([0, 1], 5), np.array([[0, 0], [2, 4], [4, 5], [6, 9]])
     truth = between_key_frames(np.array([0, 2, 5, 4, 5, 4, 9]), keys, 1.0, "by eye", routes)

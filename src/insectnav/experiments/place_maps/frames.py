@@ -30,6 +30,7 @@ SAFE_CODECS = frozenset(  # of zarr; others may run what is in a file, as pickle
     {"bytes", "transpose", "sharding_indexed", "crc32c", "blosc", "zstd", "gzip", "zlib", "lz4", "bz2", "lzma"}
 )
 SOUND = 0.98  # share of the frames that a film says it has, and has if it is sound; some tell about how many; assumed
+UNCOUNTED = (".mkv", ".webm", ".mpg", ".mpeg")  # which say how long they are, not of how many frames
 MAX_FILES = 10_000_000  # of a pattern
 NOWHERE: Reals = np.full(3, np.nan)
 
@@ -235,11 +236,13 @@ def _of_pictures(paths: list[Path], step: int) -> FrameSource:
 
     def frames() -> Iterator[Frame]:
         seen: Counter[Path] = Counter()
+        last_s: dict[Path, float] = {}
         for number, source in enumerate(sources(found, step)):
             seen[source.file] += 1
+            last_s[source.file] = source.time
             time = source.time if is_one else float("nan")  # of several films each begins at 0
             yield Frame(name=as_text(source.name), number=number * step, read=source.read, time=time)
-        remarks.extend(_cut_short(film, seen[film], step) for film in films)
+        remarks.extend(_cut_short(film, seen[film], last_s.get(film, 0.0), step) for film in films)
         remarks[:] = filter(None, remarks)
 
     return FrameSource(
@@ -253,11 +256,15 @@ def _of_pictures(paths: list[Path], step: int) -> FrameSource:
     )
 
 
-def _cut_short(film: Path, n_seen: int, step: int) -> str:
-    """That much of a film could not be read, if so."""
+def _cut_short(film: Path, n_seen: int, last_s: float, step: int) -> str:
+    """That much of a film could not be read, if so: where nothing says of how many frames it is, by its length."""
     said = count_frames_of(film, step)
     if n_seen >= SOUND * said - 1:
         return ""
+    if film.suffix.lower() in UNCOUNTED and n_seen > 1:
+        facts, length_s = video_facts(film), last_s * n_seen / (n_seen - 1)
+        if length_s * facts.frames_per_second >= SOUND * facts.n_frames:
+            return ""
     return f"{quoted(film.name, 200)} should give {said} frames, {n_seen} could be read: cut short, or damaged?"
 
 

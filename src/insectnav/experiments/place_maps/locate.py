@@ -18,7 +18,7 @@ from insectnav.datasets.key_frames import read_key_frames
 from insectnav.experiments.place_maps.compare import Compared, compare
 from insectnav.experiments.place_maps.describe import OF_PICTURES, DescribeParams
 from insectnav.experiments.place_maps.describing import Described, Remarks, described, settled, stacked
-from insectnav.experiments.place_maps.located import Located
+from insectnav.experiments.place_maps.located import MAX_PLACES, Located
 from insectnav.experiments.place_maps.opening import FrameParams, opened
 from insectnav.experiments.place_maps.truth import (
     Truth,
@@ -267,8 +267,11 @@ def truth_in_frames(found: Located, known: TruthParams, is_whole_map: bool) -> T
     """
 
     def routes_up_to(place: float) -> NDArray[np.int64]:
-        n_places = len(found.place_routes)
-        return found.place_routes if is_whole_map else np.zeros(max(n_places, 1 + int(place)), np.int64)
+        if is_whole_map:
+            return found.place_routes
+        if place > MAX_PLACES:
+            raise InputError(f"the truth names a place beyond {MAX_PLACES}, expected numbers of places of a map")
+        return np.zeros(max(len(found.place_routes), 1 + int(place)), np.int64)
 
     if known.same_index:
         return same_index(found.reference, found.place_routes, known.tolerance, is_whole_map=is_whole_map)

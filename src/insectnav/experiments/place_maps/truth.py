@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -285,7 +286,7 @@ def _numbers_by_name(names: Sequence[str]) -> dict[str, Any]:
 def _number(text: str, names: Mapping[str, Any], start: str, slip: str = "") -> int:
     if (number := names.get(text, names.get(frame_name(text)))) is not None:
         return int(number)
-    try:
-        return int(text)
-    except ValueError:
-        raise InputError(f"{start} {quoted(text)}, expected a number from 0 or the name of one frame{slip}") from None
+    with suppress(ValueError):
+        if (number := int(text)) >= 0:
+            return number
+    raise InputError(f"{start} {quoted(text)}, expected a number from 0 or the name of one frame{slip}")

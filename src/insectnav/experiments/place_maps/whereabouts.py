@@ -106,12 +106,13 @@ def placed(source: FrameSource, where: Whereabouts, origin_deg: Origin = None) -
         raise InputError("--time-offset is given without --times, expected to know when the frames were taken")
     if where.times is None and table is None and not source.has_times:
         return Placed(source, None, ())
-    if source.kind == "films" or not source.total:
+    is_own = source.has_times and where.times is None and (table is None or table.time is not None)
+    if source.kind == "films" or not (source.total or is_own):
         raise InputError("--times and --positions want one film alone, or pictures alone, whose number is known")
     numbers = np.arange(source.total) * source.step
     times = _times(source, where, numbers)
-    if source.has_times and where.times is None and (table is None or table.time is not None):
-        if table is not None:  # refused at once, by times at an even rate, where clocks are not the same
+    if is_own:
+        if table is not None and source.total:  # other clocks are refused at once, by times at an even rate
             positions_of_frames(table, times=times, max_gap_s=where.max_gap_s)
         return _by_own_times(source, where, table)
     return _by_given_times(source, where, table, times, numbers)
