@@ -14,7 +14,6 @@ from insectnav.lanes.compiled import kernel, lane_function
 from insectnav.lanes.vector import load, store
 
 X, Y, HEADING, VELOCITY_X, VELOCITY_Y = range(5)  # rows of the place of 16 agents
-N_PLACE_ROWS = 5
 N_ATTEMPTS = 8  # turns of direction in one step, before the agent stands still: two obstacles take three
 ROUNDING = 1e-9  # [steps]
 

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike
 
 from insectnav.metrics.paired_tests import paired_wilcoxon
 
-N_REFERENCES = 20
-
 
 def area_row(areas: ArrayLike) -> dict[str, Any]:
     """Mean, SD over places, standard error and the like of areas (place,) [m²]."""

@@ -1,4 +1,4 @@
-"""What views are compared by: names, words and colours, and codes that have parameters."""
+"""What views are compared by: names, words and colours."""
 
 from __future__ import annotations
 
@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from insectnav.angles import FULL_TURN, unit_vector
 from insectnav.vision.descriptors import (
     DESCRIPTORS,
-    frequency_strip,
     harmonic_coefficients,
     harmonic_pairs,
-    zernike_amplitudes,
 )
 from insectnav.vision.descriptors.brightness import brightness
 from insectnav.worlds.world import SKY
@@ -88,13 +86,3 @@ THESIS = ("retinotopic", "zernike")  # the two of section 4.3
 def measures_by(names: tuple[str, ...]) -> dict[str, Any]:
     """What `surfaces` takes, of comparisons by their names."""
     return {name: COMPARISONS[name].by for name in names}
-
-
-def strip_of(n_frequencies: int) -> Any:
-    """The frequency strip with so many frequencies."""
-    return lambda views: frequency_strip(views, n_frequencies)
-
-
-def zernike_of(order: int, weights: str) -> Any:
-    """Zernike amplitudes up to that order with these weights."""
-    return lambda views: zernike_amplitudes(views, order, weights=weights)

@@ -53,7 +53,6 @@ WAYS = (
     "features and words",
     "all rotations, each reference",
 )
-OF_MATCHING = WAYS[-1]
 
 
 @dataclass(frozen=True, kw_only=True)

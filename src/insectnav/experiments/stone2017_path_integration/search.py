@@ -39,7 +39,6 @@ WINDOW = 500  # [steps] distances are summarised over
 MAX_LOOPS = 12  # kept of each trial
 THIRD = 2  # loop whose direction is tested: the first ones still overshoot along the way home
 BIN_EDGES = np.array([0.0, 10.0, 20.0, 30.0, 40.0, 60.0, 80.0, 120.0])  # [steps]
-MIN_TURNS = 300  # in a bin that is drawn
 PRESETS_OWN = 0.0  # motor gain: that of the set of constants
 QUICKER_GAIN = 0.5  # [rad] of the thesis, also tried in the 2017 code's circuit
 DRAWN_NOISE = 0.1  # of the example and of the comparison: the default of the paper
