@@ -24,7 +24,7 @@ from insectnav.matching import (
     constellation_index,
     difference_matrix,
     disk_turn_matrix,
-    locate,
+    locate_by_constellations,
     locate_next,
     seqslam,
     turn_matrix,
@@ -78,7 +78,7 @@ def whole_route() -> None:
 
     def v1(frames: tuple[np.ndarray, np.ndarray] = (summer, winter)) -> Matches:
         patches = [patch_normalised(images, rounded=True, flat_patch=0) for images in frames]
-        return seqslam(difference_matrix(*patches, "openseqslam-v1"), OPENSEQSLAM_V1)
+        return seqslam(difference_matrix(patches[0], patches[1], "openseqslam-v1"), OPENSEQSLAM_V1)
 
     patches = [np.array([seqslam_oracle.patch_normalise(image).ravel() for image in images]) for images in few]
     expected = seqslam_oracle.search(seqslam_oracle.enhance(seqslam_oracle.difference(*patches)))
@@ -153,7 +153,7 @@ def headings_and_skies() -> None:
         print(f"{f'{name}, masks of 346 × 346':44s} {1e3 * seconds(lambda f=describe: f(masks)) / 40:8.2f} ms a sky")
     spectra = np.cumsum(rng.normal(size=(10_000, 120)), axis=0)
     index = constellation_index(spectra)
-    run = seconds(lambda: locate(index, spectra[3000:3200]))
+    run = seconds(lambda: locate_by_constellations(index, spectra[3000:3200]))
     print(f"{'constellations, a query against 10 000':44s} {1e3 * run / 200:8.2f} ms")
 
 

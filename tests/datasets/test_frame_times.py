@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from insectnav.checks import InputError
-from insectnav.datasets.clocks import check_common_clock
+from insectnav.datasets.clocks import check_common_clock, zone_hours
 from insectnav.datasets.exif_times import read_exif_time
 from insectnav.datasets.frame_times import frame_name, nearest_in_time, times_in_names, times_of_frames
 from real_routes import DATA
+from uneven_films import uneven_film
 
 NOON = datetime(2014, 5, 6, 12, 0, 0, tzinfo=UTC).timestamp()
 
@@ -73,6 +74,17 @@ def test_dates_in_names_may_be_ahead_of_utc():
 )
 def test_zones_in_names_are_followed(name: str, ahead_h: float):
     assert times_in_names([name], utc_offset_h=3.0) == NOON - 3600 * ahead_h
+
+
+@pytest.mark.parametrize(
+    ("text", "hours"),
+    [
+        *[("Z", 0), ("+00:00", 0), ("-00:00", 0), ("+14:00", 14), ("+0545", 5.75), ("-03:30", -3.5)],
+        *[(text, None) for text in ("", "+14:30", "-99:00", "+01:60", "02:00", "+2:00", "+١٢:٠٠", "+02:00 ", "UTC")],
+    ],
+)
+def test_hours_of_a_zone(text: str, hours: float | None):
+    assert zone_hours(text) == hours
 
 
 @pytest.mark.parametrize(
@@ -165,6 +177,18 @@ def test_frames_of_a_video(tmp_path: Path):
         writer.write(np.zeros((16, 32, 3), np.uint8))
     writer.release()
     np.testing.assert_allclose(times_of_frames(path, numbers=[0, 1, 2]), [0, 0.08, 0.16])
+    np.testing.assert_allclose(times_of_frames(path, numbers=[2, 3, -1]), [0.16, np.nan, np.nan])
+    for numbers in ([3], [-1], []):
+        with pytest.raises(InputError, match=r"'a\.avi' holds 3 frames and none of those asked for"):
+            times_of_frames(path, numbers=numbers)
+
+
+def test_frames_of_a_video_of_uneven_rate(tmp_path: Path):
+    seconds = [0.1] * 4 + [0.5] * 4
+    path = uneven_film(tmp_path / "a.mp4", np.zeros((8, 48, 64), np.uint8), seconds)
+    expected = np.cumsum([0, *seconds[:-1]])
+    np.testing.assert_allclose(times_of_frames(path, names=list("abcdefgh")), expected, atol=1e-3)
+    np.testing.assert_allclose(times_of_frames(path, numbers=[7, 5], offset_s=2), expected[[7, 5]] + 2, atol=1e-3)
 
 
 def test_table_of_times_by_name_and_by_number(tmp_path: Path):

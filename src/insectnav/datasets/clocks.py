@@ -1,4 +1,6 @@
-"""Two streams of times: whether they are of one clock, and which of them belong together."""
+"""Clocks: zones of time, and whether two streams of times are of one clock."""
+
+import re
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,9 +11,22 @@ from insectnav.checks import InputError
 GNSS_EPOCH = 315_964_800.0  # [s] 1980-01-06 on the clock that counts from 1970
 WEEKS_1024 = 1024 * 604_800.0  # [s] after which the week of a satellite receiver starts anew
 LEAP_SECONDS = 18.0  # by which satellites are ahead of UTC since 2017
+WIDEST_ZONE_H = 14.0  # [h] ahead of UTC
 WIDEST_ZONES = 26.0  # [h] from UTC−12 to UTC+14
 UNITS = {1e3: "milliseconds", 1e6: "microseconds", 1e9: "nanoseconds"}
 UNIX = 1e9  # [s] and later: a time since 1970, in the years that there are recordings of
+_ZONE = re.compile(r"([+-])(\d\d):?([0-5]\d)", re.ASCII)
+
+
+def zone_hours(text: str) -> float | None:
+    """Hours by which a zone is ahead of UTC, of Z, +02:00 or -0500; None where it is no zone of the Earth."""
+    if text in ("z", "Z"):
+        return 0.0
+    found = _ZONE.fullmatch(text)
+    if found is None:
+        return None
+    hours = int(found[2]) + int(found[3]) / 60
+    return None if hours > WIDEST_ZONE_H else -hours if found[1] == "-" else hours
 
 
 def rounding_of(values: ArrayLike) -> float:

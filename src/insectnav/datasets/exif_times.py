@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from insectnav.checks import InputError, quoted
+from insectnav.datasets.clocks import zone_hours
 from insectnav.datasets.picture_headers import exif_block
 
 MAX_BYTES = 64 * 2**20  # of the beginning of a file; cameras write what they know before the picture
@@ -61,7 +62,7 @@ def _taken(block: bytes) -> CameraTime | None:
     fraction = _text(block, order, entries.get(_FRACTION))
     if fraction.isascii() and fraction.isdigit():
         clock += float("0." + fraction)
-    return CameraTime(clock, _zone(_text(block, order, entries.get(_ZONE))))
+    return CameraTime(clock, zone_hours(_text(block, order, entries.get(_ZONE))))
 
 
 def _entries(block: bytes, order: str, start: int) -> dict[int, bytes]:
@@ -81,11 +82,3 @@ def _text(block: bytes, order: str, entry: bytes | None) -> str:
     start = struct.unpack(order + "I", entry[8:12])[0] if count > 4 else None
     data = entry[8 : 8 + count] if start is None else block[start : start + count]
     return data.split(b"\0")[0].decode("ascii", "replace").strip()
-
-
-def _zone(text: str) -> float | None:
-    """Hours of a zone such as +02:00."""
-    if len(text) != 6 or text[0] not in "+-" or text[3] != ":":
-        return None
-    hours = int(text[1:3]) + int(text[4:6]) / 60
-    return -hours if text[0] == "-" else hours

@@ -12,17 +12,16 @@ from numpy.typing import ArrayLike
 
 from insectnav.angles import Floats
 from insectnav.checks import InputError, as_numbers, check_count, check_range, check_shape, quoted
-from insectnav.datasets.clocks import check_common_clock, rounding_of
+from insectnav.datasets.clocks import WIDEST_ZONE_H, check_common_clock, rounding_of, zone_hours
 from insectnav.datasets.exif_times import read_exif_time
 from insectnav.datasets.image_folder import PICTURES, RAW, VIDEOS
 from insectnav.datasets.table_columns import find_columns, likely_slip, listed
 from insectnav.datasets.text_tables import open_table, read_columns
 from insectnav.datasets.time_columns import FRAMES, NAMES, TIMES, whole_numbers
-from insectnav.datasets.video import video_facts
+from insectnav.datasets.video import video_times
 
 Names = Sequence[str | PathLike[str]]
 ENDINGS = (*PICTURES, *RAW, *VIDEOS, ".bmp", ".ppm", ".pgm", ".npy")
-WIDEST_ZONE_H = 14.0  # [h] ahead of UTC
 # How many digits the whole part of a time since 1970 has in the years 2001 to 2286, and how many seconds its unit is.
 UNIX_DIGITS = {13: 1e-3, 16: 1e-6, 19: 1e-9}
 _NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)?")
@@ -57,7 +56,7 @@ def times_of_frames(
         - "names": numbers or dates in the names of the files, see `times_in_names`
         - "exif": what the camera wrote into the files, see `times_by_camera`
         - a number: frames per second; frame k was taken at k over this
-        - a video: the same at the rate that the file gives
+        - a video: those at which it shows its frames, by their numbers; NaN for numbers that it does not hold
         - another file: a table of ``time_s`` (or ms, us, ns) and ``file`` or ``frame``, see `times_in_table`
     names : files of the frames
     numbers : (frame,) array, whole numbers of the frames; None counts the names from 0
@@ -81,7 +80,7 @@ def times_of_frames(
         reader = times_in_names if source == "names" else times_by_camera
         times = reader(names, utc_offset_h=utc_offset_h)
     elif Path(source).suffix.lower() in VIDEOS:
-        times = _at_rate(counted, video_facts(source).frames_per_second)
+        times = _of_video(counted, source)
     else:
         times = times_in_table(source, names=names, numbers=numbers)
     return times + offset_s
@@ -208,10 +207,22 @@ def nearest_in_time(first: ArrayLike, second: ArrayLike, max_gap_s: float) -> np
         return np.where(is_near, nearest, -1)
 
 
+def _of_video(numbers: ArrayLike, path: str | PathLike[str]) -> Floats:
+    counted = whole_numbers("numbers of frames", as_numbers("numbers of frames", numbers))
+    times = video_times(path)
+    is_held = (counted >= 0) & (counted < len(times))
+    if not is_held.any():
+        raise InputError(
+            f"{quoted(PurePath(path).name, 200)} holds {len(times)} frames and none of those asked for, expected their "
+            "numbers from 0: another film?"
+        )
+    return np.where(is_held, times[np.where(is_held, counted, 0)], np.nan)
+
+
 def _at_rate(numbers: ArrayLike, frames_per_second: float) -> Floats:
     counted = whole_numbers("numbers of frames", as_numbers("numbers of frames", numbers))
     check_shape("numbers of frames", counted, ("frame",))
-    check_range("frames per second", frames_per_second, 1e-6, 1e6, slip="a video that gives no rate?")
+    check_range("frames per second", frames_per_second, 1e-6, 1e6)
     return counted / frames_per_second
 
 
@@ -259,17 +270,8 @@ def _date(stem: str, utc_offset_h: float) -> float | None:
         whole = datetime(year, month, day, hour, minute, second, tzinfo=UTC).timestamp()
     except ValueError:
         return None
-    return whole + float("0." + (found[9] or "0")) - 3600 * _zone(found["zone"], utc_offset_h)
-
-
-def _zone(text: str | None, unless_said: float) -> float:
-    """Hours ahead of UTC of Z, +02:00 or -0500."""
-    if text is None:
-        return unless_said
-    if text in "zZ":
-        return 0.0
-    hours = int(text[1:3]) + int(text[-2:]) / 60
-    return -hours if text[0] == "-" else hours
+    zone = utc_offset_h if found["zone"] is None else zone_hours(found["zone"])
+    return None if zone is None else whole + float("0." + (found[9] or "0")) - 3600 * zone
 
 
 def _differing(stems: Sequence[str]) -> list[str]:

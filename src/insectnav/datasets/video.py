@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insectnav.angles import Floats
 from insectnav.checks import InputError, check_count, quoted
 from insectnav.datasets.image_folder import MAX_PIXELS
 
@@ -70,19 +71,25 @@ def timed_video_frames(path: str | os.PathLike[str], step: int = 1) -> Iterator[
 
     check_count("step", step)
     with closing(_Capture(path)) as capture:
-        number, rate = 0, float(capture.get(cv2.CAP_PROP_FPS))
-        while capture.source.grab():
-            if number % step == 0:
-                is_there, frame = capture.source.retrieve()
-                if not is_there:
-                    break
-                time = round(float(capture.get(cv2.CAP_PROP_POS_MSEC)), 3) / 1000  # of which nothing is finer
-                if number and not time > 0:
-                    time = number / rate if rate > 0 else float("nan")
-                yield VideoFrame(number, time, np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8))
-            number += 1
-        if number == 0:
-            raise InputError(f"{quoted(Path(path).name, 200)} holds no frame that can be decoded: truncated?")
+        for number, time in capture.grab_all():
+            if number % step:
+                continue
+            is_there, frame = capture.source.retrieve()
+            if not is_there:
+                break
+            yield VideoFrame(number, time, np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8))
+
+
+def video_times(path: str | os.PathLike[str]) -> Floats:
+    """Times (frame,) [s] of all frames after the first, as of `timed_video_frames`; every one is decoded to know them.
+
+    Raises
+    ------
+    InputError
+        As of `video_frames`.
+    """
+    with closing(_Capture(path)) as capture:
+        return np.array([time for _, time in capture.grab_all()])
 
 
 class _Capture:
@@ -92,6 +99,7 @@ class _Capture:
         import cv2
 
         place, name = Path(path), quoted(Path(path).name, 200)
+        self.name = name
         if not place.is_file():
             raise InputError(f"{name} does not exist, expected a video")
         self.source = cv2.VideoCapture(str(place), cv2.CAP_FFMPEG)
@@ -101,6 +109,20 @@ class _Capture:
         if rows * columns > MAX_PIXELS:
             self.close()
             raise InputError(f"{name} has frames of {rows:g} × {columns:g} pixels, expected at most {MAX_PIXELS:.0e}")
+
+    def grab_all(self) -> Iterator[tuple[int, float]]:
+        """Number and time [s] of every frame, which can be retrieved until the next is asked for."""
+        import cv2
+
+        number, rate = 0, float(self.get(cv2.CAP_PROP_FPS))
+        while self.source.grab():
+            time = round(float(self.get(cv2.CAP_PROP_POS_MSEC)), 3) / 1000  # of which nothing is finer
+            if number and not time > 0:
+                time = number / rate if rate > 0 else float("nan")
+            yield number, time
+            number += 1
+        if number == 0:
+            raise InputError(f"{self.name} holds no frame that can be decoded: truncated?")
 
     def get(self, what: int) -> Any:
         return self.source.get(what)
