@@ -106,6 +106,12 @@ def with_error(row: Mapping[str, Any], name: str) -> tuple[float, float]:
     return float(row[name]), float(row[f"{name}_error"])
 
 
+def more(row: Mapping[str, Any], name: str) -> tuple[float, float]:
+    """How much more something is than in a row that says how much less it is itself, and the standard error."""
+    less, error = with_error(row, name)
+    return -less, error
+
+
 def surplus(row: Mapping[str, Any], other: Mapping[str, Any], name: str) -> tuple[float, float]:
     """How much more a number is in one row than in another, and the standard error, as if they were drawn apart."""
     (one, error), (two, other_error) = with_error(row, name), with_error(other, name)

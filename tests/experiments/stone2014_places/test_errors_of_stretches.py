@@ -50,6 +50,7 @@ def test_two_ways_on_the_same_frames_are_compared_stretch_by_stretch():
     assert less_of([one], [one]) == (0.0, 0.0)
     assert less_of([one], [other], np.arange(400) % 10 > 0) == (0.0, 0.0)
     assert np.isnan(less_of([one], [other], np.zeros(400, bool))).all()
+    assert less_of([one], [other], is_so=lambda run: ~run.is_right())[0] == pytest.approx(-n / 400)
 
 
 def test_queries_that_only_one_way_matches_count_in_its_own_precision():

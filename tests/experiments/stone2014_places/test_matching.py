@@ -220,6 +220,8 @@ def test_verdicts_of_the_compass_take_the_better_of_grey_and_colour():
         return {
             "way": way, "queries_of": "both", "n_frames": 2789, "precision": precision, "precision_error": 1.0,
             "precision_within_10_m": precision, "leads_away": away, "leads_away_error": 1.0, "median_astray_deg": 4.0,
+            "precision_less_uv": precision - 84.0, "precision_less_uv_error": 1.5, "leads_away_less_uv": away - 5.0,
+            "leads_away_less_uv_error": 1.5,
             "wrong_far_away": 90.0, "wrong_far_away_error": 2.0,
         }  # fmt: skip
 
@@ -230,6 +232,9 @@ def test_verdicts_of_the_compass_take_the_better_of_grey_and_colour():
     given = verdicts("stone2014-fig-4cd", table)
     assert {verdict.verdict for verdict in given.values()} == {AGREES}
     assert given["precision, visible"].ours == 45.0
+    less = given["precision, UV less visible"], given["directions that lead away, visible less UV"]
+    assert [(one.ours, one.uncertainty) for one in less] == [(39.0, 1.5), (25.0, 1.5)]
+    assert given["precision, SeqSLAM first less compass alone, UV"].ours == 11.0
     table[0] |= {"wrong_far_away": 20.0}
     near = verdicts("stone2014-fig-4cd", table)["wrong matches more than 100 m away, UV"]
     assert near.verdict == DIFFERS  # 20 ± 2 where more than half are claimed

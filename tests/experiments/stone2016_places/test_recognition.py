@@ -8,15 +8,16 @@ import pytest
 from insectnav.experiments import load
 from insectnav.experiments.published import AGREES, DIFFERS, NOT_COMPARABLE
 from insectnav.experiments.stone2016_places import fig_5, recognition
-from insectnav.experiments.stone2016_places.car_runs import BLUR, UNTESTED, last_third, median_precision
+from insectnav.experiments.stone2016_places.car_runs import BLUR, UNTESTED, median_precision
 from insectnav.experiments.stone2016_places.fig_5 import worst_labelled
 from insectnav.experiments.stone2016_places.frames import sky_grid
 from insectnav.experiments.stone2016_places.recognition import (
     Recognised,
     by_rotation,
     in_sequences,
+    jointly,
     neutral_patches,
-    right_by_turn,
+    thirds_by_turn,
     turned_apart,
 )
 from insectnav.sweep import published_numbers
@@ -49,7 +50,7 @@ def test_five_frames_off_is_right_and_six_is_wrong():
 
 def test_what_is_always_right_has_no_error():
     measured = answer(np.arange(200), np.linspace(0.1, 0.9, 200)).findings()
-    for name in ("recall_at_full_precision", "precision_at_full_recall", "area"):
+    for name in recognition.MEASURES:
         assert measured[name] == pytest.approx(100.0)
         assert measured[f"{name}_error"] == pytest.approx(0.0, abs=1e-9)
 
@@ -81,8 +82,46 @@ def test_median_precision_weighs_recall():
     assert median_precision(answer([90, 90], [1, 2])) == 0.0
 
 
-def test_the_last_third_counts_alone():
-    assert last_third(answer([0, 1, 2, 3, 90, 5], np.ones(6))) == pytest.approx(50.0)
+def test_answers_of_the_same_queries_are_compared_block_by_block():
+    rng = np.random.default_rng(5)
+    one, other = (
+        answer(np.where(rng.random(600) < share, np.arange(600), 5000), rng.random(600)) for share in (0.9, 0.6)
+    )
+    for measure in recognition.MEASURES:
+        more, error = jointly(measure, np.subtract, one, other)
+        assert more == pytest.approx(one.findings()[measure] - other.findings()[measure])
+        assert error > 0.0
+        assert jointly(measure, np.subtract, one, one) == (0.0, 0.0)
+        alone = one.findings()
+        assert jointly(measure, np.positive, one) == pytest.approx((alone[measure], alone[f"{measure}_error"]))
+    # Both are right apart from one another: the error is nearly that of two which are drawn apart.
+    errors = [found.findings()["precision_at_full_recall_error"] for found in (one, other)]
+    assert jointly("precision_at_full_recall", np.subtract, one, other)[1] == pytest.approx(np.hypot(*errors), rel=0.3)
+    with pytest.raises(ValueError, match="other lengths"):
+        jointly("area", np.subtract, one, answer([0, 1], [1.0, 2.0]))
+
+
+def test_draws_without_any_match_are_left_out():
+    score = np.where(np.arange(60) < 20, 0.5, np.nan)
+    found = answer(np.where(np.isfinite(score), np.arange(60), -1), score)
+    assert np.isnan(found.drawn).any()
+    assert found.findings()["area_error"] == pytest.approx(0.0, abs=1e-9)
+    assert jointly("area", np.subtract, found, found) == (0.0, 0.0)
+
+
+def test_what_is_lost_and_kept_is_told_of_a_method_and_of_skies():
+    n, rng = 400, np.random.default_rng(6)
+    score = rng.random(n)
+    level, tilted, sky, tilted_sky = (
+        answer(np.where(np.arange(n) % k == k - 1, 5000, np.arange(n)), score) for k in (50, 2, 100, 4)
+    )
+    found = fig_5._lost([level, tilted, sky, tilted_sky])
+    area = [one.findings()["area"] for one in (level, tilted, sky, tilted_sky)]
+    assert found["area_lost"] == pytest.approx(area[0] - area[1])
+    assert found["area_less_sky"] == pytest.approx(area[1] - area[3])
+    assert found["area_lost_less_sky"] == pytest.approx(area[0] - area[1] - area[2] + area[3])
+    assert found["area_kept_less_sky"] == pytest.approx(100 * area[1] / area[0] - 100 * area[3] / area[2])
+    assert all(0.0 < found[f"{name}_error"] < 5.0 for name in ("area_lost", "area_less_sky", "area_kept_less_sky"))
 
 
 def test_turned_and_tilted_skies_are_found_with_their_tilt():
@@ -126,25 +165,25 @@ def test_cameras_are_turned_apart_by_the_difference_of_their_headings_or_pitches
 
 def test_thirds_are_those_turned_least_and_most():
     turned = np.linspace(0.0, 1.0, 9)
-    found = answer([0, 1, 2, 90, 90, 5, 90, 90, 8], np.ones(9))
-    assert right_by_turn(found, turned) == pytest.approx((100.0, 100 / 3))
+    found = answer([0, 1, 2, 90, 90, 5, 90, 90, -1], [*[1.0] * 8, np.nan])
+    least, most = thirds_by_turn(found, turned)
+    np.testing.assert_array_equal(np.flatnonzero(least), [0, 1, 2])
+    np.testing.assert_array_equal(np.flatnonzero(most), [5, 6, 7])
 
 
 def test_words_on_misaligned_views_are_held_against_the_thirds_turned_least_and_most():
-    columns = [
-        f"{name}{end}"
-        for name in ("recall_at_full_precision", "precision_at_full_recall", "area")
-        for end in ("", "_error")
-    ]
+    columns = [f"{name}{end}" for name in recognition.MEASURES for end in ("", "_error")]
 
     def row(method: str, length: int, least: float, most: float, n_frames: int = 1000) -> dict[str, Any]:
-        turned = {"right_where_turned_least": least, "right_where_turned_most": most}
-        others = dict.fromkeys(
-            ("median_precision", "in_right_section", "right_in_last_third", "sky_labelled_right"), 50.0
-        )
+        turned = {
+            "right_where_turned_least": least, "right_where_turned_most": most,
+            "right_where_turned_least_less_most": least - most, "right_where_turned_least_less_most_error": 2.0,
+        }  # fmt: skip
+        others = dict.fromkeys(("median_precision", "in_right_section", "sky_labelled_right"), 50.0)
         words = (
             "right_in_last_third_less_before", "right_under_canopy", "right_under_canopy_less_elsewhere",
-            "mislabelled_by_flare", "mislabelled_where_sunlit", "mislabelled_in_shade",
+            "mislabelled_by_flare", "mislabelled_where_sunlit", "mislabelled_in_shade", "precision_less_sky",
+            "right_in_last_third_less_sky",
         )  # fmt: skip
         others |= dict.fromkeys([f"{name}{end}" for name in words for end in ("", "_error")], 50.0)
         about = {"method": method, "sequence_length": length, "passages": "whole way", "site": "BMX Track"}
@@ -169,7 +208,7 @@ def test_words_on_misaligned_views_are_held_against_the_thirds_turned_least_and_
 
 
 def test_a_part_of_the_city_is_not_held_against_the_paper():
-    measures = ("recall_at_full_precision", "precision_at_full_recall", "area")
+    measures = (*recognition.MEASURES, "area_lost", "area_less_sky", "area_lost_less_sky", "area_kept_less_sky")
 
     def table(n_frames: int) -> list[dict[str, Any]]:
         methods = (recognition.VANILLA, recognition.SKY, recognition.TRUE, recognition.SINGLE)
@@ -187,7 +226,7 @@ def test_a_part_of_the_city_is_not_held_against_the_paper():
     assert {verdict.verdict for verdict in fig_5.compare(table(32), published)} == {NOT_COMPARABLE}
     whole = {verdict.quantity: verdict for verdict in fig_5.compare(table(520), published)}
     assert {name for name, one in whole.items() if one.verdict == NOT_COMPARABLE} == set(fig_5.UNTESTED)
-    aside = [row | {"area": 5.0} if row["passages"] == "2 m aside" else row for row in table(520)]
+    aside = [row | {"area_lost": 15.0} if row["passages"] == "2 m aside" else row for row in table(520)]
     moved = {verdict.quantity: verdict for verdict in fig_5.compare(aside, published)}
     assert moved["area of sky, 2 m aside less as ridden"].ours == -15.0
 

@@ -7,13 +7,14 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insectnav.experiments.experiment import Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge, surplus, with_error
+from insectnav.experiments.published import Published, Verdict, judge, more, with_error
 from insectnav.experiments.stone2014_places import compass_runs, fig_4ab
 from insectnav.experiments.stone2014_places.compass_runs import CompassRun, both_directions, queries_of
-from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, TOLERANCES, Pair, share_of
+from insectnav.experiments.stone2014_places.route_pairs import TOLERANCE, TOLERANCES, Pair, less_of, share_of
 from insectnav.experiments.stone2014_places.sequence_ways import UV as UV_SEQUENCE
 from insectnav.experiments.stone2014_places.walk_maps import draw_directions
 from insectnav.experiments.stone2014_places.walks import both_walks, whole_or_why_not
@@ -62,31 +63,44 @@ def summarise(results: Results) -> Table:
     rows = []
     n_frames = sum(len(walk) for walk in both_walks(results).values())
     for name, runs in _all_runs(results).items():
-        for which, chosen in (("both", runs), *((run.query_day, [run]) for run in runs)):
+        of_uv = _all_runs(results)[UV]
+        each = [(run.query_day, [run], [uv]) for run, uv in zip(runs, of_uv, strict=True)]
+        for which, chosen, uv in (("both", runs, of_uv), *each):
             about = {"way": name, "queries_of": which, "kind": "rendered", "n_frames": n_frames}
-            rows.append(about | _row(chosen))
+            rows.append(about | _row(chosen, uv))
     return rows
 
 
-def _row(runs: Sequence[CompassRun]) -> dict[str, Any]:
-    """Precision, and how far advised directions lie off the course."""
+def leads_away(run: CompassRun) -> NDArray[np.bool_]:
+    """Where the advised direction leads away from the way, (query,)."""
+    return np.asarray(run.astray > AWAY)
+
+
+def _row(runs: Sequence[CompassRun], of_uv: Sequence[CompassRun]) -> dict[str, Any]:
+    """Precision, how far advised directions lie off the course, and both less those of skies of the same queries."""
     is_matched = np.concatenate([run.is_matched for run in runs])
     right = np.concatenate([run.is_right() for run in runs])[is_matched]
     error = np.concatenate([run.error for run in runs])[is_matched]
     astray = np.concatenate([run.astray for run in runs])[is_matched]
     distance = np.concatenate([run.distance for run in runs])[is_matched]
     precision, precision_error = share_of(right, distance)
-    away, away_error = share_of(astray > AWAY, distance)
+    away, away_error = share_of(np.concatenate([leads_away(run) for run in runs])[is_matched], distance)
+    less, less_error = less_of(runs, of_uv)
+    away_less, away_less_error = less_of(runs, of_uv, is_so=leads_away)
     far, far_error = (float("nan"),) * 2 if right.all() else share_of(error[~right] > FAR, distance[~right])
     row: dict[str, Any] = {
         "n_matches": len(right),
         "precision": 100.0 * precision,
         "precision_error": 100.0 * precision_error,
+        "precision_less_uv": 100.0 * less,
+        "precision_less_uv_error": 100.0 * less_error,
         "median_error_m": float(np.median(error)),
         "median_astray_deg": float(np.rad2deg(np.median(astray))),
         "median_astray_where_right_deg": float(np.rad2deg(np.median(astray[right]))) if right.any() else float("nan"),
         "leads_away": 100.0 * away,
         "leads_away_error": 100.0 * away_error,
+        "leads_away_less_uv": 100.0 * away_less,
+        "leads_away_less_uv_error": 100.0 * away_less_error,
         "wrong_far_away": 100.0 * far,
         "wrong_far_away_error": 100.0 * far_error,
     }
@@ -162,18 +176,18 @@ def caption(results: Results) -> str:
 def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdict]:
     """The published precision, and what the text says of headings and of SeqSLAM before the compass."""
     rows = {row["way"]: row for row in table if row["queries_of"] == "both"}
-    uv, after = rows[UV], rows[UV_AFTER]
+    uv = rows[UV]
     visible = max((rows[GREY], rows[COLOUR]), key=lambda row: row["precision"])
     ours = {
         "precision, UV": with_error(uv, "precision"),
         "precision, visible": with_error(visible, "precision"),
-        "precision, UV less visible": surplus(uv, visible, "precision"),
-        "directions that lead away, visible less UV": surplus(visible, uv, "leads_away"),
+        "precision, UV less visible": more(visible, "precision_less_uv"),
+        "directions that lead away, visible less UV": with_error(visible, "leads_away_less_uv"),
         "direction off the course, median, UV": (uv["median_astray_deg"], 0.0),
-        "precision, sky centred less not centred, UV": surplus(uv, rows[UV_UNMOVED], "precision"),
+        "precision, sky centred less not centred, UV": more(rows[UV_UNMOVED], "precision_less_uv"),
         "wrong matches more than 100 m away, UV": with_error(uv, "wrong_far_away"),
         "wrong matches more than 100 m away, visible": with_error(visible, "wrong_far_away"),
-        "precision, SeqSLAM first less compass alone, UV": surplus(after, uv, "precision"),
+        "precision, SeqSLAM first less compass alone, UV": with_error(rows[UV_AFTER], "precision_less_uv"),
     }
     why, part = _why(rows), whole_or_why_not(uv["n_frames"])
     return [judge(value, *ours[value.quantity], why=why, not_comparable=part) for value in published.values()]

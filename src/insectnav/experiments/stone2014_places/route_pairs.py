@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -154,16 +154,46 @@ def share_of(is_right: NDArray[np.bool_], distance: NDArray[np.float64]) -> tupl
     return float(is_right.mean()), float(np.std(drawn, ddof=1))
 
 
-def less_of(runs: Sequence[Run], others: Sequence[Run], chosen: NDArray[np.bool_] | None = None) -> tuple[float, float]:
-    """Precision of all matches less that of other runs of the same queries, and its standard error.
+class Answers(Protocol):
+    """Matches of queries along a way, as `Run` has them; (query,) arrays."""
 
-    The same stretches are drawn for both: one where both fail says nothing of their difference. Of the chosen queries
-    if some are given, (query,) of all runs; NaN where either has no match among them.
+    @property
+    def distance(self) -> NDArray[np.float64]:
+        """Along the way [m]."""
+        ...
+
+    @property
+    def is_matched(self) -> NDArray[np.bool_]:
+        """Which queries have a match."""
+        ...
+
+    def is_right(self) -> NDArray[np.bool_]:
+        """Which queries have a right match."""
+        ...
+
+
+SomeAnswers = TypeVar("SomeAnswers", bound=Answers)
+
+
+def less_of(
+    runs: Sequence[SomeAnswers],
+    others: Sequence[SomeAnswers],
+    chosen: NDArray[np.bool_] | None = None,
+    is_so: Callable[[SomeAnswers], NDArray[np.bool_]] | None = None,
+) -> tuple[float, float]:
+    """Share of all matches for which something is so less that in other runs of the same queries, and standard error.
+
+    It is precision unless `is_so` is given, (query,) of a run. The same stretches are drawn for both: one where both
+    fail says nothing of their difference. Of the chosen queries if some are given, (query,) of all runs; NaN where
+    either has no match among them.
     """
     distance = np.concatenate([run.distance for run in runs])
     if len(distance) != sum(len(run.distance) for run in others):
         raise ValueError("runs are compared with runs of other queries")
-    right, other_right = (np.concatenate([run.is_right() for run in each]).astype(float) for each in (runs, others))
+    so, other_so = (
+        np.concatenate([run.is_right() if is_so is None else is_so(run) for run in each]).astype(float)
+        for each in (runs, others)
+    )
     kept, other_kept = (np.concatenate([run.is_matched for run in each]) for each in (runs, others))
     if chosen is not None:
         kept, other_kept = kept & chosen, other_kept & chosen
@@ -175,11 +205,10 @@ def less_of(runs: Sequence[Run], others: Sequence[Run], chosen: NDArray[np.bool_
         weights = [counts * kept[some], counts * other_kept[some]]
         if all(weight.any() for weight in weights):
             one, other = (
-                np.average(values[some], weights=weight)
-                for values, weight in zip((right, other_right), weights, strict=True)
+                np.average(values[some], weights=weight) for values, weight in zip((so, other_so), weights, strict=True)
             )
             drawn.append(one - other)
-    return float(right[kept].mean() - other_right[other_kept].mean()), float(np.std(drawn, ddof=1))
+    return float(so[kept].mean() - other_so[other_kept].mean()), float(np.std(drawn, ddof=1))
 
 
 def contrast_of(values: NDArray[Any], chosen: NDArray[np.bool_], distance: NDArray[np.float64]) -> tuple[float, float]:

@@ -49,7 +49,6 @@ from insectnav.experiments.stone2016_places.recognition import (
     differences,
     in_sequences,
     passage_pair,
-    right_by_turn,
     truth_between,
     turned_apart,
     varied,
@@ -149,7 +148,7 @@ def summarise(results: Results) -> Table:
 
     The last are those of the BMX track, where its passages are there besides those of the site.
     """
-    cell = results.cells[0]
+    cell, answers = results.cells[0], recognised(results)
     reference, query = passage_pair(results, BOTH)
     turned = turned_apart(reference, query, truth_between(reference, query))
     ground, is_track = ground_of(*cell.place), cell.site == BMX.name
@@ -158,15 +157,12 @@ def summarise(results: Results) -> Table:
     rows = [
         _row(cell.site, method, length, WHOLE, answer, accuracy)
         | {
-            "right_in_last_third": last_third(answer),
             "median_precision": median_precision(answer),
             "in_right_section": in_right_section(answer, reference["distance"], ground) if is_track else NONE,
-            "right_where_turned_least": right_by_turn(answer, turned)[0],
-            "right_where_turned_most": right_by_turn(answer, turned)[1],
         }
-        | of_answer(answer, query, ground, is_track=is_track)
+        | of_answer(answer, answers[SKY, 10], query, ground, turned, is_track=is_track)
         | seen
-        for (method, length), answer in recognised(results).items()
+        for (method, length), answer in answers.items()
     ]
     others = [
         _row(cell.site, method, 1 if method == SINGLE else 10, name, answer, accuracy)
@@ -190,13 +186,6 @@ def _row(site: str, method: str, length: int, part: str, answer: Recognised, acc
         **answer.findings(),
         "sky_labelled_right": accuracy,
     }
-
-
-def last_third(answer: Recognised) -> float:
-    """Share of right matches in the last third of the way [%]."""
-    last = np.arange(len(answer.score)) >= 2 * len(answer.score) // 3
-    known = last & np.isfinite(answer.score)
-    return 100.0 * float(answer.is_right[known].mean()) if known.any() else float("nan")
 
 
 def in_right_section(answer: Recognised, reference_distance: NDArray[Any], ground: Ground) -> float:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from insectnav.experiments.experiment import Arrays, Results, Table
 from insectnav.experiments.figures import COLOURS, DOUBLE_COLUMN, name_panel
-from insectnav.experiments.published import Published, Verdict, judge, surplus, with_error
-from insectnav.experiments.stone2016_places.claims import longest_gap
+from insectnav.experiments.published import Published, Verdict, judge, more, with_error
+from insectnav.experiments.stone2016_places.claims import longest_gap, with_errors
 from insectnav.experiments.stone2016_places.frames import FULL_SIZE, Section, keep, sections
 from insectnav.experiments.stone2016_places.panels import draw_correspondence, draw_curve, draw_frame
 from insectnav.experiments.stone2016_places.passages import (
@@ -39,6 +39,7 @@ from insectnav.experiments.stone2016_places.recognition import (
     by_rotation,
     differences,
     in_sequences,
+    jointly,
     passage_arrays,
     passage_pair,
     truth_between,
@@ -117,13 +118,36 @@ def summarise(results: Results) -> Table:
     accuracy = {number: results["accuracy"][cells] for number, cells in results.by("passage").items()}
     rows = [
         _row(apart, method, "whole way", answer, PAIRS[apart], accuracy)
+        | _lost([answers[tilt, way] for way in (method, SKY) for tilt in (0, apart)])
         | {"tilt_found_less_nominal_deg": tilt_errors[apart] if method == SINGLE else float("nan")}
         for (apart, method), answer in answers.items()
     ]
+    on_first_part = varied(results, VARIATIONS, VARIED_FRAMES)
     return rows + [
-        _row(0, method, name, answer, VARIATIONS[name], accuracy) | {"tilt_found_less_nominal_deg": float("nan")}
-        for (name, method), answer in varied(results, VARIATIONS, VARIED_FRAMES).items()
+        _row(0, method, name, answer, VARIATIONS[name], accuracy)
+        | _lost([on_first_part[part, way] for way in (method, SKY) for part in ("as ridden", name)])
+        | {"tilt_found_less_nominal_deg": float("nan")}
+        for (name, method), answer in on_first_part.items()
     ]
+
+
+def _lost(answers: Sequence[Recognised]) -> dict[str, float]:
+    """How much of the area is lost, and how much less a method has, keeps and loses than skies do [%].
+
+    Parameters
+    ----------
+    answers : of the method without and with what is varied, and of skies without and with it
+    """
+
+    def kept(without: Any, there: Any) -> Any:
+        return 100.0 * there / np.maximum(without, 1e-9)
+
+    return with_errors(
+        area_lost=jointly("area", np.subtract, *answers[:2]),
+        area_less_sky=jointly("area", np.subtract, answers[1], answers[3]),
+        area_lost_less_sky=jointly("area", lambda a, b, sky, with_it: (a - b) - (sky - with_it), *answers),
+        area_kept_less_sky=jointly("area", lambda a, b, sky, with_it: kept(a, b) - kept(sky, with_it), *answers),
+    )
 
 
 def _row(
@@ -213,27 +237,20 @@ def compare(table: Table, published: Mapping[str, Published]) -> Sequence[Verdic
     rows = {(row["tilt_difference_deg"], row["method"]): row for row in table if row["passages"] == "whole way"}
     recall = "recall_at_full_precision"
 
-    def lost(method: str) -> tuple[float, float]:
-        return surplus(rows[0, method], rows[60, method], "area")
-
-    def kept(method: str) -> float:
-        return 100.0 * float(rows[60, method]["area"] / max(rows[0, method]["area"], 1e-9))
-
-    less = lost(VANILLA)[0] - lost(SKY)[0]
     varied_rows = [row for row in table if row["passages"] != "whole way"]
     of_sky = {row["passages"]: row for row in varied_rows if row["method"] == SKY}
     ours: dict[str, tuple[float, float]] = {
         "recall at full precision, sky, 60°": with_error(rows[60, SKY], recall),
         "recall at full precision, vanilla, 50°": with_error(rows[50, VANILLA], recall),
         "recall at full precision, vanilla, 60°": with_error(rows[60, VANILLA], recall),
-        "area of sky less that of vanilla, 0°": surplus(rows[0, SKY], rows[0, VANILLA], "area"),
-        "area lost from 0° to 60°, vanilla less sky": (less, float(np.hypot(lost(VANILLA)[1], lost(SKY)[1]))),
-        "share of the area at 0° kept at 60°, sky less vanilla": (kept(SKY) - kept(VANILLA), 0.0),
-        "area of sky, 2 m aside less as ridden": surplus(of_sky["2 m aside"], of_sky["as ridden"], "area"),
+        "area of sky less that of vanilla, 0°": more(rows[0, VANILLA], "area_less_sky"),
+        "area lost from 0° to 60°, vanilla less sky": with_error(rows[60, VANILLA], "area_lost_less_sky"),
+        "share of the area at 0° kept at 60°, sky less vanilla": more(rows[60, VANILLA], "area_kept_less_sky"),
+        "area of sky, 2 m aside less as ridden": more(of_sky["2 m aside"], "area_lost"),
     } | dict.fromkeys(UNTESTED, (float("nan"), 0.0))
     for apart in SHOWN_DEG:
         sky, vanilla = rows[apart, SKY], rows[apart, VANILLA]
-        ours[f"area of sky less that of vanilla, {apart}°"] = surplus(sky, vanilla, "area")
+        ours[f"area of sky less that of vanilla, {apart}°"] = more(vanilla, "area_less_sky")
         ours[f"longest part without a right match, vanilla less sky, {apart}°"] = (
             float(vanilla["longest_gap"] - sky["longest_gap"]), 0.0,
         )  # fmt: skip

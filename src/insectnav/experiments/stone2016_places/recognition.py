@@ -1,6 +1,6 @@
 """Places recognised between two passages, by each method, and how right the answers are."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -26,14 +26,11 @@ from insectnav.vision.sphere import rotation_matrix
 
 TOLERANCE = 5  # [frame] section IV-B
 SEQUENCE = 10  # [frame] ds, section IV-B
-FLAT_BLOCK = (
-    4,
-    8,
-    8,
-    8,
-)  # rows and columns of patches of 32 × 64 pixels: patch row, its rows, patch column, its columns
+# Rows and columns of patches of 32 × 64 pixels: patch row, its rows, patch column, its columns.
+FLAT_BLOCK = (4, 8, 8, 8)
 BLOCK = 20  # [frame] that the bootstrap draws together: neighbours are right or wrong together
 N_DRAWN = 200
+MEASURES = ("recall_at_full_precision", "precision_at_full_recall", "area")
 VANILLA, SKY, ROTATION, FABMAP = "SeqSLAM (vanilla)", "SeqSLAM (sky)", "rotation matching", "FAB-MAP"
 POINTS, TRUE, NEUTRAL = f"{SKY}, 2000 points", f"{SKY}, exact masks", f"{VANILLA}, flat patches neutral"
 PLAIN, WATERSHED = f"{SKY}, no lens flare", f"{SKY}, watershed"
@@ -77,16 +74,39 @@ class Recognised:
 
     def findings(self) -> dict[str, float]:
         """Recall at full precision and the rest, in percent, with standard errors of a bootstrap over blocks."""
-        names = ("recall_at_full_precision", "precision_at_full_recall", "area")
-        drawn = np.array([_measures(*sample) for sample in self._samples()])
-        return dict(zip(names, _measures(self.is_right, self.score), strict=True)) | {
-            f"{name}_error": float(error) for name, error in zip(names, drawn.std(axis=0), strict=True)
+        error = np.nanstd(self.drawn, axis=0)
+        return dict(zip(MEASURES, self.measured.tolist(), strict=True)) | {
+            f"{name}_error": float(one) for name, one in zip(MEASURES, error, strict=True)
         }
 
-    def _samples(self) -> list[tuple[NDArray[np.bool_], Floats]]:
-        """Queries drawn in blocks, with replacement."""
-        usable = [some for some in drawn_blocks(len(self.score)) if np.isfinite(self.score[some]).any()]
-        return [(self.is_right[some], self.score[some]) for some in usable]
+    @cached_property
+    def measured(self) -> Floats:
+        """Each of `MEASURES` [%]."""
+        return _measures(self.is_right, self.score)
+
+    @cached_property
+    def drawn(self) -> Floats:
+        """The same of queries drawn in blocks, with replacement, (draw, measure) [%]; NaN if none drawn has a match."""
+        is_right, score = self.is_right, self.score
+        return np.array([_measures(is_right[some], score[some]) for some in drawn_blocks(len(score))])
+
+
+def jointly(measure: str, function: Callable[..., Any], *answers: Recognised) -> tuple[float, float]:
+    """What is made of a measure of each of several answers, and its standard error.
+
+    The same blocks of queries are drawn for all answers: where all fail says nothing of how they differ.
+
+    Parameters
+    ----------
+    measure : one of `MEASURES`
+    function : of as many (...) arrays as there are answers
+    answers : of passages with as many queries, the same place at the same number
+    """
+    if len({len(answer.score) for answer in answers}) != 1:
+        raise ValueError("answers of passages of other lengths have no blocks in common")
+    k = MEASURES.index(measure)
+    drawn = function(*(answer.drawn[:, k] for answer in answers))
+    return float(function(*(answer.measured[k] for answer in answers))), float(np.nanstd(drawn))
 
 
 def drawn_blocks(n: int) -> NDArray[np.int64]:
@@ -96,11 +116,12 @@ def drawn_blocks(n: int) -> NDArray[np.int64]:
     return np.asarray(np.minimum((starts[..., None] + np.arange(BLOCK)).reshape(N_DRAWN, -1)[:, :n], n - 1))
 
 
-def _measures(is_right: NDArray[np.bool_], score: Floats) -> tuple[float, float, float]:
-    """Recall at full precision, precision at full recall [%] and area under the curve [%]."""
+def _measures(is_right: NDArray[np.bool_], score: Floats) -> Floats:
+    """Each of `MEASURES` [%]; NaN if no query has a match."""
+    if not np.isfinite(score).any():
+        return np.full(len(MEASURES), np.nan)
     curve = precision_recall(is_right, score)
-    found = recall_at_full_precision(curve), precision_at_full_recall(curve), area_under_curve(curve)
-    return tuple(100.0 * value for value in found)  # type: ignore[return-value]
+    return 100.0 * np.array([recall_at_full_precision(curve), precision_at_full_recall(curve), area_under_curve(curve)])
 
 
 @lru_cache(maxsize=16)
@@ -228,9 +249,8 @@ def turned_apart(reference: Arrays, query: Arrays, truth: Floats) -> Floats:
     return np.asarray(np.convolve(angle, length, "same") / np.convolve(np.ones(len(angle)), length, "same"))
 
 
-def right_by_turn(answer: Recognised, turned: Floats) -> tuple[float, float]:
-    """Share of right matches [%] in the third of the queries whose cameras are turned apart least, and most."""
+def thirds_by_turn(answer: Recognised, turned: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """The third of the matched queries whose cameras are turned apart least, and most, (query,) each."""
     known = np.isfinite(answer.score)
     low, high = np.quantile(turned[known], [1 / 3, 2 / 3])
-    thirds = known & (turned <= low), known & (turned >= high)
-    return tuple(100.0 * float(answer.is_right[third].mean()) for third in thirds)  # type: ignore[return-value]
+    return known & (turned <= low), known & (turned >= high)
