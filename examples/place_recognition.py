@@ -91,7 +91,7 @@ is_matched = matches.reference >= 0
 is_right = right_matches(matches.reference, apart.argmin(axis=0), TOLERANCE)
 estimate = heading[matches.reference] - compass.turn
 error = np.abs(np.rad2deg(wrap(estimate - query_heading)[is_right]))
-metres = position_error(query_place, place, matches.reference)
+metres = position_error(place, query_place, matches.reference)
 print(f"{best}: off by {np.nanmedian(metres):.1f} m in the median, right matches by {np.median(error):.1f}° in heading")
 
 # %% The same on the move: one view in, the best match of five views ago out, and where its line has led by now

@@ -109,7 +109,7 @@ print(f"{is_known.sum()} of {len(is_known)} frames have a place, off by {np.medi
 
 # %% Which frame of the first walk each of the second belongs to
 TOLERANCE = 8.0  # [m], a frame and a half
-by_place = true_matches_by_position(second_place[:, :2], first_place[:, :2], TOLERANCE)
+by_place = true_matches_by_position(first_place[:, :2], second_place[:, :2], TOLERANCE)
 by_hand = true_matches_by_frames(keys, np.arange(len(second_names)))
 both = by_place.can_be_matched & by_hand.can_be_matched
 apart = np.abs(by_place.reference - by_hand.reference)[both]

@@ -151,7 +151,7 @@ def test_a_constant_view_resembles_none():
 def test_a_real_robot_finds_its_place_on_a_route():
     (references, where), (queries, there) = sussex("snapshot"), sussex("test")
     found = nearest_view(turn_matrix(references, queries))
-    error = position_error(there, where, found.reference)
+    error = position_error(where, there, found.reference)
     error = error[np.isfinite(error)]
     assert len(error) == 94
     assert np.median(error) < 19  # [cm] known of these recordings: median 18 cm, all within 50

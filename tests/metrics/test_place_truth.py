@@ -13,25 +13,25 @@ from insectnav.metrics.retrieval import precision_recall, right_matches
 def test_nearest_reference_within_the_tolerance():
     reference = np.array([(0, 0), (10, 0), (np.nan, 0), (20, 0)])
     query = np.array([(1, 0), (6, 0), (14, 3), (20, 4), (np.nan, np.nan), (90, 0)])
-    truth = true_matches_by_position(query, reference, tolerance_m=5.0)
+    truth = true_matches_by_position(reference, query, tolerance_m=5.0)
     np.testing.assert_array_equal(truth.reference, [0, 1, 1, 3, np.nan, np.nan])
     np.testing.assert_array_equal(truth.can_be_matched, [True, True, True, True, False, False])
     np.testing.assert_array_equal(truth.is_known, [True, True, True, True, False, True])
 
 
 def test_tolerance_includes_its_end():
-    truth = true_matches_by_position([(3.0, 4.0, 0.0)], [(0.0, 0.0, 0.0)], 5.0)
+    truth = true_matches_by_position([(0.0, 0.0, 0.0)], [(3.0, 4.0, 0.0)], 5.0)
     assert truth.reference == 0
-    assert not true_matches_by_position([(3.0, 4.0, 1.0)], [(0.0, 0.0, 0.0)], 5.0).can_be_matched
+    assert not true_matches_by_position([(0.0, 0.0, 0.0)], [(3.0, 4.0, 1.0)], 5.0).can_be_matched
 
 
 def test_tolerance_includes_its_end_whatever_the_rounding():
     place = np.array([(0.0, float(f"5600000.{k}") if k < 10 else 5600001.0) for k in range(11)])  # every 10 cm
-    apart = true_matches_by_position(place[3:], place[:1], 1.0)
+    apart = true_matches_by_position(place[:1], place[3:], 1.0)
     assert apart.can_be_matched.all()
     for steps in range(1, 8):
         for k in range(len(place) - steps):
-            ends = place[[k + steps]], place[[k]]
+            ends = place[[k]], place[[k + steps]]
             assert true_matches_by_position(*ends, float(f"0.{steps}")).can_be_matched
             assert not true_matches_by_position(*ends, float(f"0.{steps}") - 1e-6).can_be_matched
 
@@ -42,7 +42,7 @@ places = st.lists(st.tuples(st.floats(-50, 50), st.floats(-50, 50)), min_size=1,
 @settings(max_examples=100, deadline=None)
 @given(places, places, st.floats(0, 50))
 def test_agrees_with_all_distances(query: np.ndarray, reference: np.ndarray, tolerance: float):
-    truth = true_matches_by_position(query, reference, tolerance)
+    truth = true_matches_by_position(reference, query, tolerance)
     apart = np.linalg.norm(query[:, None] - reference, axis=-1)
     margin = 1e-9
     near, far = apart.min(axis=1) < tolerance - margin, apart.min(axis=1) > tolerance + margin
@@ -62,7 +62,7 @@ def test_agrees_with_all_distances(query: np.ndarray, reference: np.ndarray, tol
 )
 def test_positions_that_cannot_be_compared_are_refused(query: list, reference: list, tolerance: float, says: str):
     with pytest.raises(InputError, match=says):
-        true_matches_by_position(query, reference, tolerance)
+        true_matches_by_position(reference, query, tolerance)
 
 
 def test_frames_between_key_frames_are_interpolated():

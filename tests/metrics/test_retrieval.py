@@ -104,19 +104,19 @@ def test_numbers_of_any_type_are_subtracted_as_numbers(kind: str):
     matched, truth = np.array([1, 5, 100], kind), np.array([3, 4, 0], kind)
     assert_array_equal(right_matches(matched, truth, 2), [True, True, False])
     places = np.array([[0, 0], [3, 4], [100, 0]], kind)
-    assert_array_equal(position_error(places[[1, 0]], places, [0, 2]), [5, 100])
+    assert_array_equal(position_error(places, places[[1, 0]], [0, 2]), [5, 100])
 
 
 def test_nothing_is_matched_with_a_map_without_places_or_with_a_part_of_a_place():
-    assert_array_equal(position_error(np.zeros((2, 2)), np.ones((0, 2)), [-1, -1]), [np.nan, np.nan])
+    assert_array_equal(position_error(np.ones((0, 2)), np.zeros((2, 2)), [-1, -1]), [np.nan, np.nan])
     with pytest.raises(InputError, match=r"matched is 0\.5 for query 1, expected the whole number of a reference"):
-        position_error(np.zeros((2, 2)), np.ones((3, 2)), [1, 0.5])
+        position_error(np.ones((3, 2)), np.zeros((2, 2)), [1, 0.5])
 
 
 def test_position_error_is_the_distance():
-    error = position_error([[0, 0], [3, 4], [np.nan, 0], [1, 1]], [[0, 0], [0, 10]], [0, 0, 1, -1])
+    error = position_error([[0, 0], [0, 10]], [[0, 0], [3, 4], [np.nan, 0], [1, 1]], [0, 0, 1, -1])
     assert_array_equal(error, [0, 5, np.nan, np.nan])
-    assert_array_equal(position_error([[1, 2, 2]], [[0, 0, 0]], [0]), [3])
+    assert_array_equal(position_error([[0, 0, 0]], [[1, 2, 2]], [0]), [3])
 
 
 @pytest.mark.parametrize(
@@ -129,7 +129,7 @@ def test_position_error_is_the_distance():
         (lambda: right_matches([1], [1], -1), "tolerance is -1, expected at least 0"),
         (lambda: right_matches([1, 2], [1], 1), "truth has shape"),
         (lambda: position_error([[0, 0]], [[0, 0]], [1]), "matched reaches 1, expected -1 to 0: .* another map"),
-        (lambda: position_error([[0, 0]], [[0, 0, 0]], [0]), "reference_position has shape"),
+        (lambda: position_error([[0, 0, 0]], [[0, 0]], [0]), "reference_position has shape"),
     ],
 )
 def test_bad_input_is_refused_in_a_sentence(call, sentence):

@@ -20,7 +20,7 @@ class TrueMatches(NamedTuple):
 
 
 def true_matches_by_position(
-    query_position: ArrayLike, reference_position: ArrayLike, tolerance_m: float
+    reference_position: ArrayLike, query_position: ArrayLike, tolerance_m: float
 ) -> TrueMatches:
     """The nearest reference of each query, where one is within the tolerance.
 
@@ -29,8 +29,8 @@ def true_matches_by_position(
 
     Parameters
     ----------
-    query_position : (query, 2 or 3) array [m], NaN where not known
     reference_position : (reference, 2 or 3) array [m], NaN where not known
+    query_position : (query, 2 or 3) array [m], NaN where not known
         Heights count if given; those of a satellite receiver are so far off that x and y alone are better.
     tolerance_m : [m], state it with every result
 

@@ -110,14 +110,14 @@ def area_under_curve(curve: PrecisionRecall) -> float:
     return float(np.sum(np.diff(curve.recall, prepend=0.0) * curve.precision))
 
 
-def position_error(query_position: ArrayLike, reference_position: ArrayLike, matched: ArrayLike) -> Reals:
+def position_error(reference_position: ArrayLike, query_position: ArrayLike, matched: ArrayLike) -> Reals:
     """Distance from where each query was taken to where its match was, ``|x_q − x_match(q)|``, (query,).
 
     Parameters
     ----------
-    query_position : (query, 2 or 3) array
-        In any unit of length; NaN where it is not known.
     reference_position : (reference, 2 or 3) array
+        In any unit of length; NaN where it is not known.
+    query_position : (query, 2 or 3) array
         In the same unit.
     matched : (query,) array of whole numbers
         −1 where there is no match.

@@ -200,9 +200,9 @@ def by_position(
     if not has_position.any() or not has_place.any():
         what = "query" if not has_position.any() else "place of the map"
         raise InputError(f"no {what} has a position, expected some for a truth by --positions: other names or times?")
-    nearest = true_matches_by_position(query, places, np.inf).reference
-    distance = position_error(query, places, np.where(has_position, nearest, -1.0))
-    error = position_error(query, places, matched)
+    nearest = true_matches_by_position(places, query, np.inf).reference
+    distance = position_error(places, query, np.where(has_position, nearest, -1.0))
+    error = position_error(places, query, matched)
     error = np.where(within(error, tolerance, query, places), np.minimum(error, tolerance), error)
     return Truth(
         reference=nearest,

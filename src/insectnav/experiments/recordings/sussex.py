@@ -54,7 +54,7 @@ def simulate(cell: Cell, seed: int) -> Arrays:
         known, seen = sussex("training"), sussex("test")
         reference = _nearest(cell.way, known, seen)
         there[:], matched[:] = seen.position, known.position[reference]
-        error[:] = position_error(seen.position, known.position, reference)
+        error[:] = position_error(known.position, seen.position, reference)
     return {
         "error": (("view",), error, {"units": "m"}),
         "taken": (("view", "xy"), there, {"units": "m"}),

@@ -133,7 +133,7 @@ def _compass_run(reference: Walk, query: Walk, queries: Any, match: Any, turn: A
         match,
         np.asarray(wrap(query["heading"][queries] + turn)),
         query["course"][queries],
-        np.asarray(position_error(query["position"][queries], reference["position"], match)),
+        np.asarray(position_error(reference["position"], query["position"][queries], match)),
         query["distance"][queries],
     )
 

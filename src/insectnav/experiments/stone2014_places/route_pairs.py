@@ -101,7 +101,7 @@ def run_pair(
     of_queries = (features if query_features is None else query_features)[pair.query_day]
     difference = difference_matrix(features[pair.reference_day][references], of_queries[queries], metric, workers=1)
     matches = seqslam(difference, params, workers=1)
-    error = position_error(query["position"][queries], reference["position"][references], matches.reference)
+    error = position_error(reference["position"][references], query["position"][queries], matches.reference)
     return Run(pair, references, queries, matches, np.asarray(error), query["distance"][queries])
 
 
