@@ -179,7 +179,7 @@ def test_frames_of_a_video(tmp_path: Path):
     np.testing.assert_allclose(times_of_frames(path, numbers=[0, 1, 2]), [0, 0.08, 0.16])
     np.testing.assert_allclose(times_of_frames(path, numbers=[2, 3, -1]), [0.16, np.nan, np.nan])
     for numbers in ([3], [-1], []):
-        with pytest.raises(InputError, match=r"'a\.avi' holds 3 frames and none of those asked for"):
+        with pytest.raises(InputError, match=r"'a\.avi' holds 3 frames and none of those numbers"):
             times_of_frames(path, numbers=numbers)
 
 
@@ -189,6 +189,10 @@ def test_frames_of_a_video_of_uneven_rate(tmp_path: Path):
     expected = np.cumsum([0, *seconds[:-1]])
     np.testing.assert_allclose(times_of_frames(path, names=list("abcdefgh")), expected, atol=1e-3)
     np.testing.assert_allclose(times_of_frames(path, numbers=[7, 5], offset_s=2), expected[[7, 5]] + 2, atol=1e-3)
+    for names in (list("abcd"), list("abcdefghi")):  # every second frame, or another film's
+        with pytest.raises(InputError, match=f"'a.mp4' holds 8 frames and {len(names)} pictures are given"):
+            times_of_frames(path, names=names)
+    np.testing.assert_allclose(times_of_frames(path, names=list("ab"), numbers=[0, 4]), expected[[0, 4]], atol=1e-3)
 
 
 def test_table_of_times_by_name_and_by_number(tmp_path: Path):

@@ -24,6 +24,7 @@ Names = Sequence[str | PathLike[str]]
 ENDINGS = (*PICTURES, *RAW, *VIDEOS, ".bmp", ".ppm", ".pgm", ".npy")
 # How many digits the whole part of a time since 1970 has in the years 2001 to 2286, and how many seconds its unit is.
 UNIX_DIGITS = {13: 1e-3, 16: 1e-6, 19: 1e-9}
+MISCOUNTED = 0.01  # of the frames of a film that programs which take them out leave out or repeat; ours
 _NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)?")
 _DATE = re.compile(
     r"(?<!\d)((?:19|20)\d\d)([-_:]?)(\d\d)\2(\d\d)[-_T ]?(\d\d)([-_:.]?)(\d\d)\6(\d\d)"
@@ -56,7 +57,8 @@ def times_of_frames(
         - "names": numbers or dates in the names of the files, see `times_in_names`
         - "exif": what the camera wrote into the files, see `times_by_camera`
         - a number: frames per second; frame k was taken at k over this
-        - a video: those at which it shows its frames, by their numbers; NaN for numbers that it does not hold
+        - a video: those at which it shows its frames, by their numbers, NaN for numbers that it does not hold; or
+          those of pictures that another program took from it, if they are all of its frames, give or take 1 %
         - another file: a table of ``time_s`` (or ms, us, ns) and ``file`` or ``frame``, see `times_in_table`
     names : files of the frames
     numbers : (frame,) array, whole numbers of the frames; None counts the names from 0
@@ -80,7 +82,7 @@ def times_of_frames(
         reader = times_in_names if source == "names" else times_by_camera
         times = reader(names, utc_offset_h=utc_offset_h)
     elif Path(source).suffix.lower() in VIDEOS:
-        times = _of_video(counted, source)
+        times = _of_video(counted, source, names)
     else:
         times = times_in_table(source, names=names, numbers=numbers)
     return times + offset_s
@@ -207,14 +209,20 @@ def nearest_in_time(first: ArrayLike, second: ArrayLike, max_gap_s: float) -> np
         return np.where(is_near, nearest, -1)
 
 
-def _of_video(numbers: ArrayLike, path: str | PathLike[str]) -> Floats:
+def _of_video(numbers: ArrayLike, path: str | PathLike[str], names: Names | None) -> Floats:
     counted = whole_numbers("numbers of frames", as_numbers("numbers of frames", numbers))
-    times = video_times(path)
+    check_shape("numbers of frames", counted, ("frame",))
+    times, film = video_times(path), quoted(PurePath(path).name, 200)
     is_held = (counted >= 0) & (counted < len(times))
     if not is_held.any():
         raise InputError(
-            f"{quoted(PurePath(path).name, 200)} holds {len(times)} frames and none of those asked for, expected their "
-            "numbers from 0: another film?"
+            f"{film} holds {len(times)} frames and none of those numbers, expected some from 0: another film?"
+        )
+    is_all = names is not None and np.array_equal(counted, np.arange(len(names)))
+    if is_all and abs(len(counted) - len(times)) > MISCOUNTED * len(times):
+        raise InputError(
+            f"{film} holds {len(times)} frames and {len(counted)} pictures are given, expected all of its frames: "
+            "pictures of every few of them, to be given times by their rate?"
         )
     return np.where(is_held, times[np.where(is_held, counted, 0)], np.nan)
 
