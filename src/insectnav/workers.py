@@ -2,8 +2,9 @@
 
 import logging
 import os
+import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any
 
@@ -24,6 +25,44 @@ def count_workers(workers: int | None) -> int:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     check_count("workers", workers)
     return workers
+
+
+class Threads(ThreadPoolExecutor):
+    """A pool of threads none of which is at work any more when it has been shut down, whatever has interrupted it.
+
+    That of the standard library does not know of a thread until it has waited for its start: one whose start is
+    interrupted, by Ctrl-C for instance, is not waited for, and goes on writing to a folder that is being removed.
+    """
+
+    def __init__(self, n_threads: int) -> None:
+        super().__init__(n_threads)
+        self._calls = threading.Condition()
+        self._n_running = 0
+        self._is_over = False
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any, **options: Any) -> Future:
+        """As of any executor."""
+        return super().submit(self._call, function, arguments, options)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """As of any executor."""
+        super().shutdown(wait, cancel_futures=cancel_futures)
+        if wait:
+            with self._calls:
+                self._is_over = True
+                self._calls.wait_for(lambda: self._n_running == 0)
+
+    def _call(self, function: Callable[..., Any], arguments: tuple, options: dict[str, Any]) -> Any:
+        with self._calls:
+            if self._is_over:
+                raise CancelledError
+            self._n_running += 1
+        try:
+            return function(*arguments, **options)
+        finally:
+            with self._calls:
+                self._n_running -= 1
+                self._calls.notify_all()
 
 
 def run_blocks(

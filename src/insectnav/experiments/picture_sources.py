@@ -2,7 +2,7 @@
 
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from insectnav.checks import InputError
 from insectnav.datasets.image_folder import VIDEOS, FoundImages, read_image
 from insectnav.datasets.video import timed_video_frames, video_facts
+from insectnav.workers import Threads
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -83,7 +84,7 @@ def in_order(
     When it is closed, what the threads are at is finished, and nothing more is begun.
     """
     waiting: deque[Future[Result]] = deque()
-    pool = ThreadPoolExecutor(n_threads)
+    pool = Threads(n_threads)
     try:
         for item in items:
             waiting.append(pool.submit(function, item))
