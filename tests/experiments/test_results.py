@@ -4,8 +4,10 @@ import csv
 import json
 import math
 import os
+from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -82,6 +84,22 @@ def test_nothing_is_left_of_what_fails(failure: type[BaseException], name: str, 
         (folder / "half" / "written.txt").write_text("a")
         raise failure("on the way")
     assert tree(tmp_path) == {}
+
+
+@pytest.mark.parametrize("make", [leave_results, check_destination])
+def test_nothing_is_left_of_what_is_interrupted_as_soon_as_a_folder_is_made(
+    make: Callable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    usual = Path.mkdir
+
+    def mkdir(self: Path, *arguments: Any, **options: Any) -> None:
+        usual(self, *arguments, **options)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "mkdir", mkdir)
+    with pytest.raises(KeyboardInterrupt):
+        make(tmp_path / "a" / "b")
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("failure", [RuntimeError, KeyboardInterrupt])

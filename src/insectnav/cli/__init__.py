@@ -40,6 +40,7 @@ def program() -> None:
     gc.disable()
     _open_what_is_closed()
     _end_by_signals()
+    code: object = 0
     try:
         if sys.argv[1:2] == ["home"] and "--help" not in sys.argv:
             from insectnav.experiments.figure_process import HOME_FIGURE, FigureProcess
@@ -49,9 +50,11 @@ def program() -> None:
         main()
     except KeyboardInterrupt:  # before the command has begun, or after its end
         print("insectnav: interrupted", file=sys.stderr)
-        _leave(INTERRUPTED)
+        code = INTERRUPTED
     except SystemExit as exit_:
-        _leave(exit_.code if isinstance(exit_.code, int) else 1)
+        code = exit_.code
+    # What was raised is gone by now, and with it what it held: a folder whose block had not quite begun is removed.
+    _leave(code if isinstance(code, int) else 1)
 
 
 def _open_what_is_closed() -> None:

@@ -47,12 +47,13 @@ class Processes:
         return self._threads.submit(self._call, function, arguments)
 
     def end(self) -> None:
-        """End all processes at once, whatever they are doing."""
+        """End all processes at once, whatever they are doing; what was asked of them is then over, too."""
         self._threads.shutdown(wait=False, cancel_futures=True)
         with self._lock:
             self._is_ended = True
             for worker in self._all:
                 worker.process.kill()
+        self._threads.shutdown()
 
     def close(self) -> None:
         """Wait for what is running, and for the processes to end."""

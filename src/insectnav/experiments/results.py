@@ -8,7 +8,6 @@ import platform
 import secrets
 import shutil
 import sys
-import tempfile
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -50,9 +49,9 @@ def results_folder(destination: str | os.PathLike[str], option: str = "--out") -
     final = Path(os.path.realpath(destination))  # a link stays, and what it points to is replaced
     temporary = final.with_name(f".{final.name}.{secrets.token_hex(4)}.part")
     new_parents = [parent for parent in final.parents if not parent.exists()]
-    with written_to(destination, option):
-        temporary.mkdir(parents=True)
     try:
+        with written_to(destination, option):
+            temporary.mkdir(parents=True)
         yield temporary
         with written_to(destination, option):
             replace_folder(final, temporary)
@@ -130,12 +129,16 @@ def check_room(place: Path, shown: str) -> None:
         existing = existing.parent
     if not existing.is_dir():
         raise InputError(f"{shown} cannot be written, since {quoted(existing, 200)} is a file, expected a folder")
+    probe = existing / f".insectnav-{secrets.token_hex(4)}"
     try:
-        os.rmdir(tempfile.mkdtemp(prefix=".insectnav-", dir=existing))
+        probe.mkdir()
     except OSError as error:
         raise InputError(
             f"{shown} cannot be written ({error.strerror}), expected a place where you may make files and folders"
         ) from None
+    finally:
+        with suppress(OSError):
+            probe.rmdir()
 
 
 @contextmanager

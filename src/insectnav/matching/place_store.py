@@ -93,8 +93,8 @@ def whole_folder(final: Path) -> Iterator[Path]:
     """A temporary folder beside the final one, which is on disk and renamed when the block has ended well."""
     check_named(final)
     temporary = final.with_name(f".{final.name}.{secrets.token_hex(4)}.partial")
-    temporary.mkdir(parents=True)
     try:
+        temporary.mkdir(parents=True)
         yield temporary
         # All at once: a system that waits for its disk then waits once.
         with ThreadPoolExecutor(SYNCHRONISED_AT_ONCE) as pool:
