@@ -343,7 +343,7 @@ def test_interrupt_leaves_nothing_behind(kill: Callable, sent: str, options: tup
         preexec_fn=heed_interrupts,
     )  # fmt: skip
     try:
-        until(lambda: list(tmp_path.rglob(".*.part")))
+        until(lambda: [*tmp_path.glob(".*.part"), *tmp_path.glob("out/.*.part")])
         assert process.poll() is None
         kill(process.pid, getattr(signal, sent))
         out, err = process.communicate(timeout=PATIENCE)
