@@ -30,8 +30,9 @@ def count_workers(workers: int | None) -> int:
 class Threads(ThreadPoolExecutor):
     """A pool of threads none of which is at work any more when it has been shut down, whatever has interrupted it.
 
-    That of the standard library does not know of a thread until it has waited for its start: one whose start is
-    interrupted, by Ctrl-C for instance, is not waited for, and goes on writing to a folder that is being removed.
+    That of the standard library does not know of a thread until it has waited for its start, and takes one for ended
+    when the wait for its end is interrupted, by Ctrl-C for instance: such a thread goes on writing to a folder that is
+    being removed.
     """
 
     def __init__(self, n_threads: int) -> None:

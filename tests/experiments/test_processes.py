@@ -47,6 +47,9 @@ if __name__ == "__main__":
             futures = [on.submit(time.sleep, 3000.0) for _ in range(3)]
             threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
     except KeyboardInterrupt:
+        long = time.monotonic() + 100.0
+        while not all(future.done() for future in futures) and time.monotonic() < long:
+            time.sleep(0.01)  # until the thread whose end was waited for has told of it
         print("interrupted", [future.done() for future in futures])
 """
 

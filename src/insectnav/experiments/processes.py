@@ -8,12 +8,14 @@ import signal
 import threading
 import traceback
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future
 from contextlib import suppress
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import ForkingPickler
 from typing import Any, cast
+
+from insectnav.workers import Threads
 
 BROKEN_PIPE = (EOFError, OSError)  # what a pipe raises whose other end is gone
 
@@ -36,7 +38,7 @@ class Processes:
     """
 
     def __init__(self, n_workers: int) -> None:
-        self._threads = ThreadPoolExecutor(n_workers)
+        self._threads = Threads(n_workers)
         self._lock = threading.Lock()
         self._all: list[Worker] = []
         self._idle: list[Worker] = []
