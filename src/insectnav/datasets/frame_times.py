@@ -210,8 +210,7 @@ def nearest_in_time(first: ArrayLike, second: ArrayLike, max_gap_s: float) -> np
 
 
 def _of_video(numbers: ArrayLike, path: str | PathLike[str], names: Names | None) -> Floats:
-    counted = whole_numbers("numbers of frames", as_numbers("numbers of frames", numbers))
-    check_shape("numbers of frames", counted, ("frame",))
+    counted = _frame_numbers(numbers)
     times, film = video_times(path), quoted(PurePath(path).name, 200)
     is_held = (counted >= 0) & (counted < len(times))
     if not is_held.any():
@@ -228,10 +227,15 @@ def _of_video(numbers: ArrayLike, path: str | PathLike[str], names: Names | None
 
 
 def _at_rate(numbers: ArrayLike, frames_per_second: float) -> Floats:
-    counted = whole_numbers("numbers of frames", as_numbers("numbers of frames", numbers))
-    check_shape("numbers of frames", counted, ("frame",))
+    counted = _frame_numbers(numbers)
     check_range("frames per second", frames_per_second, 1e-6, 1e6)
     return counted / frames_per_second
+
+
+def _frame_numbers(numbers: ArrayLike) -> npt.NDArray[np.int64]:
+    counted = whole_numbers("numbers of frames", as_numbers("numbers of frames", numbers))
+    check_shape("numbers of frames", counted, ("frame",))
+    return counted
 
 
 def _looked_up(path: Path, names: Names | None, numbers: ArrayLike | None) -> Floats:

@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from insectnav.experiments.rendering.pictures import layers_of
 from insectnav.experiments.rendering.plan import Plan
 from insectnav.experiments.rendering.scenes import scene_at
 from insectnav.experiments.results import provenance
-from insectnav.workers import count_workers
+from insectnav.workers import Threads, count_workers
 
 VALUES_AT_ONCE = 16_000_000  # of all layers of the frames that are in memory: 64 MB
 
@@ -90,7 +89,7 @@ def _render_missing(
     scene = scene_at(plan.params.place, plan.params.light, plan.parts[0].seconds)
     whites = whites_of(plan, scene, workers)
     size = max(1, VALUES_AT_ONCE // (plan.camera.size[0] * plan.camera.size[1] * len(layers_of(plan.names))))
-    with ThreadPoolExecutor(count_workers(workers)) as writers:
+    with Threads(count_workers(workers)) as writers:
 
         def write(frames: Frames) -> dict[int, dict[str, Any]]:
             def finish(row: int) -> dict[str, Any]:
